@@ -1,0 +1,148 @@
+//! One error for the whole library: what was wrong, where, the valid range and what to do.
+
+use std::path::{Path, PathBuf};
+
+/// The result of everything in this library that can fail.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What went wrong, where, and what to do about it.
+///
+/// Errors are values: the library never prints, exits, panics on input or bends a value into its range.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A quantity outside the range in which its equations hold.
+    #[error("{quantity} is {value}, outside {valid}; {remedy}")]
+    Domain {
+        /// The quantity, by its name in the documentation and the scene file.
+        quantity: String,
+        /// The value that was given, with its unit.
+        value: String,
+        /// The valid range, with its unit.
+        valid: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// Something that the user wrote (a file, a flag, a row) cannot be used as it stands.
+    #[error("{place}: {problem}; {remedy}")]
+    Input {
+        /// Where it stands: the file with line and key, or the flag.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// A file could not be read or written.
+    #[error("cannot {} {}: {source}", if *.writing { "write" } else { "read" }, path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Whether it was being written (the work failed) or read (the name may be wrong).
+        writing: bool,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The work could not be done although nothing that the user wrote is wrong.
+    #[error("{problem}; {remedy}")]
+    Failed {
+        /// What happened.
+        problem: String,
+        /// What the user can do.
+        remedy: String,
+    },
+}
+
+impl Error {
+    /// An [`Error::Domain`].
+    pub fn domain(
+        quantity: impl Into<String>,
+        value: impl std::fmt::Display,
+        valid: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Error::Domain {
+            quantity: quantity.into(),
+            value: value.to_string(),
+            valid: valid.into(),
+            remedy: remedy.into(),
+        }
+    }
+
+    /// An [`Error::Input`].
+    pub fn input(
+        place: impl Into<String>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Error::Input {
+            place: place.into(),
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
+    }
+
+    /// An [`Error::Failed`].
+    pub fn failed(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Error::Failed {
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
+    }
+
+    /// An [`Error::File`] met while reading.
+    pub fn reading(path: &Path, source: std::io::Error) -> Self {
+        Error::File {
+            path: path.to_owned(),
+            writing: false,
+            source,
+        }
+    }
+
+    /// An [`Error::File`] met while writing.
+    pub fn writing(path: &Path, source: std::io::Error) -> Self {
+        Error::File {
+            path: path.to_owned(),
+            writing: true,
+            source,
+        }
+    }
+
+    /// Whether something that the user wrote must change (exit status 2), rather than the work having failed (1).
+    pub fn is_input(&self) -> bool {
+        !matches!(
+            self,
+            Error::Failed { .. } | Error::File { writing: true, .. }
+        )
+    }
+
+    /// What was wrong and where, without the remedy.
+    pub fn problem(&self) -> String {
+        match self {
+            Error::Domain {
+                quantity,
+                value,
+                valid,
+                ..
+            } => format!("{quantity} is {value}, outside {valid}"),
+            Error::Input { place, problem, .. } => format!("{place}: {problem}"),
+            Error::File { .. } => self.to_string(),
+            Error::Failed { problem, .. } => problem.clone(),
+        }
+    }
+
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Error::Domain { remedy, .. }
+            | Error::Input { remedy, .. }
+            | Error::Failed { remedy, .. } => remedy.clone(),
+            Error::File { writing: true, .. } => {
+                "check that the folder exists, may be written and has room".into()
+            }
+            Error::File { writing: false, .. } => {
+                "check the spelling of the name and that the file may be read".into()
+            }
+        }
+    }
+}
