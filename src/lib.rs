@@ -2,7 +2,9 @@
 pub mod colour;
 pub mod ephemeris;
 pub mod error;
+pub mod frame;
 pub mod medium;
+pub mod output;
 pub mod scene;
 pub mod sky;
 pub mod units;
