@@ -37,7 +37,7 @@ pub const SHAFTS: Effect = Effect {
         if media.iter().all(|m| m.scattering.max_element() == 0.0) {
             return Decision::nothing("no medium scatters light");
         }
-        // In any air at most p_max E albedo comes from a ray: the integral of sigma_t e^-tau is below 1.
+        // At most p_max E albedo (1 - e^-tau) comes from a ray: the integral of sigma_t e^-tau.
         let strongest = media
             .iter()
             .filter(|m| m.scattering.max_element() > 0.0)
@@ -48,7 +48,11 @@ pub const SHAFTS: Effect = Effect {
             .fold(0.0, f64::max);
         Decision::run(
             format!("sunlight meets {}", conditions.media_phrase()),
-            Contribution::Bound(strongest * conditions.sun.illuminance_lux()),
+            Contribution::Bound(
+                strongest
+                    * conditions.sun.illuminance_lux()
+                    * -(-conditions.greatest_optical_depth()).exp_m1(),
+            ),
         )
     },
     reference: |conditions, settings| {

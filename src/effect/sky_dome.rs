@@ -3,7 +3,9 @@
 //! The models live in [`crate::sky`]; this effect only asks them. Below the horizon a scene without a ground is black.
 
 use super::{Contribution, Decision, Effect, Field};
+use crate::colour::luminance;
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// The sky seen directly.
 pub const SKY_DOME: Effect = Effect {
@@ -14,7 +16,10 @@ pub const SKY_DOME: Effect = Effect {
     knobs: &[],
     decide: |conditions| match &conditions.sky {
         None => Decision::nothing("no sky was asked for"),
-        Some(sky) => Decision::run(sky.describe(), Contribution::Bound(conditions.brightest())),
+        Some(sky) => Decision::run(
+            sky.describe(),
+            Contribution::Estimate(luminance(sky.horizontal_illuminance()) / PI),
+        ),
     },
     reference: |conditions, _| {
         let sky = conditions.sky.as_ref();

@@ -24,7 +24,7 @@ pub const TRANSMITTANCE: Effect = Effect {
         } else {
             Decision::run(
                 format!("{} in the air", conditions.media_phrase()),
-                Contribution::Bound(conditions.brightest()),
+                Contribution::Estimate(conditions.typical_luminance()),
             )
         }
     },
