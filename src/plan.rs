@@ -166,14 +166,18 @@ impl<'c> Plan<'c> {
             )
         })?;
         let effect = find(name)?;
-        let known = effect.knobs.iter().find(|k| k.name == knob).ok_or_else(|| {
-            let names = effect.knobs.iter().map(|k| k.name);
-            let remedy = match nearest(knob, names.clone()) {
-                Some(name) => format!("did you mean `{name}`?"),
-                None => format!("{} has no knobs", effect.name),
-            };
-            Error::input(&place, format!("there is no knob `{knob}`"), remedy)
-        })?;
+        let known = effect
+            .knobs
+            .iter()
+            .find(|k| k.name == knob)
+            .ok_or_else(|| {
+                let names = effect.knobs.iter().map(|k| k.name);
+                let remedy = match nearest(knob, names.clone()) {
+                    Some(name) => format!("did you mean `{name}`?"),
+                    None => format!("{} has no knobs", effect.name),
+                };
+                Error::input(&place, format!("there is no knob `{knob}`"), remedy)
+            })?;
         let [low, high] = known.range;
         if !(low..=high).contains(&value) {
             return Err(Error::domain(
@@ -221,6 +225,10 @@ fn find(name: &str) -> Result<&'static Effect> {
                 Some(near) => format!("did you mean `{near}`? (`tyndall plan` lists them)"),
                 None => "`tyndall plan` lists them".into(),
             };
-            Error::input(format!("effect `{name}`"), "there is no such effect", remedy)
+            Error::input(
+                format!("effect `{name}`"),
+                "there is no such effect",
+                remedy,
+            )
         })
 }

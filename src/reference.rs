@@ -148,7 +148,11 @@ impl<'a> Reference<'a> {
         if bytes > memory_limit {
             return Err(Error::input(
                 format!("--size {width}x{height}"),
-                format!("the frame would hold {} MiB, more than the limit of {} MiB", bytes >> 20, memory_limit >> 20),
+                format!(
+                    "the frame would hold {} MiB, more than the limit of {} MiB",
+                    bytes >> 20,
+                    memory_limit >> 20
+                ),
                 "make the picture smaller, leave effects out with --without, or raise the limit with --max-memory",
             ));
         }
@@ -172,7 +176,9 @@ impl<'a> Reference<'a> {
             for (pixel, sample) in band.iter().zip(&found) {
                 self.put(&mut frame, *pixel, sample);
             }
-            progress(first_share * f64::from(top + BAND).min(f64::from(height)) / f64::from(height));
+            progress(
+                first_share * f64::from(top + BAND).min(f64::from(height)) / f64::from(height),
+            );
         }
         let mut refined = 0;
         if samples > 1 {
@@ -288,8 +294,9 @@ fn edges(frame: &Frame) -> Vec<UVec2> {
             (0..width)
                 .filter(move |&x| {
                     let rows = y.saturating_sub(1)..(y + 2).min(height);
-                    let mut neighbours = rows
-                        .flat_map(|v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| (u, v)));
+                    let mut neighbours = rows.flat_map(|v| {
+                        (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| (u, v))
+                    });
                     neighbours.any(|(u, v)| differs(y * width + x, v * width + u))
                 })
                 .map(move |x| UVec2::new(x as u32, y as u32))

@@ -62,14 +62,12 @@ pub const SHAFTS: Effect = Effect {
             let mut dark = Vec::new();
             fields.update(Field::InscatterSun, |ray, _, surface, present| {
                 let end = conditions
-                    .ray_end(ray, surface)
+                    .ray_end(ray, surface.distance)
                     .min(conditions.air.end(ray.origin, ray.direction));
                 if end <= 0.0 {
                     return present;
                 }
-                conditions
-                    .geometry
-                    .dark_runs(ray, end, &toward, &mut dark);
+                conditions.geometry.dark_runs(ray, end, &toward, &mut dark);
                 let mut sum = DVec3::ZERO;
                 for (sun, dark) in suns.iter().zip(&dark) {
                     let scattering = Scattering::new(

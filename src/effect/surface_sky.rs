@@ -122,9 +122,9 @@ impl<'a> SkyShare<'a> {
                     .take((GRID + 1) * (GRID + 1))
                     .collect(),
             },
-            ground_radiance: conditions
-                .ground
-                .map_or(DVec3::ZERO, |g| g.albedo / PI * sky.horizontal_illuminance()),
+            ground_radiance: conditions.ground.map_or(DVec3::ZERO, |g| {
+                g.albedo / PI * sky.horizontal_illuminance()
+            }),
         }
     }
 
@@ -178,10 +178,7 @@ impl<'a> SkyShare<'a> {
             })
         };
         // The lattice cell is split into two triangles.
-        let (x, y) = (
-            (v * steps).clamp(0.0, steps),
-            (w * steps).clamp(0.0, steps),
-        );
+        let (x, y) = ((v * steps).clamp(0.0, steps), (w * steps).clamp(0.0, steps));
         let i = (x as usize).min(lattice.steps - 1);
         let j = (y as usize).min(lattice.steps - 1 - i);
         let (f, g) = (x - i as f64, y - j as f64);
@@ -199,8 +196,8 @@ impl<'a> SkyShare<'a> {
         let at = (position - self.ground.min) / self.ground.cell;
         let value = |i: usize, j: usize| {
             *self.ground.points[j * (GRID + 1) + i].get_or_init(|| {
-                let mut point = self.ground.min
-                    + self.ground.cell * DVec3::new(i as f64, 0.0, j as f64);
+                let mut point =
+                    self.ground.min + self.ground.cell * DVec3::new(i as f64, 0.0, j as f64);
                 point.y = position.y;
                 // The border lies open, so that the grid ends without a seam.
                 let inner = (1..GRID).contains(&i) && (1..GRID).contains(&j);

@@ -31,10 +31,8 @@ pub const TRANSMITTANCE: Effect = Effect {
     reference: |conditions, _| {
         Box::new(|fields| {
             fields.update(Field::Transmittance, |ray, _, surface, _| {
-                let end = conditions.ray_end(ray, surface);
-                let depth = conditions
-                    .air
-                    .optical_depth(ray.origin, ray.direction, end);
+                let end = conditions.ray_end(ray, surface.distance);
+                let depth = conditions.air.optical_depth(ray.origin, ray.direction, end);
                 (-depth).exp()
             });
         })

@@ -41,7 +41,13 @@ pub struct Geometry {
     pub(super) planes: Bvh2,
     /// Diagonal of the bounds [m].
     pub(super) extent: f64,
+    /// Box units in a metre, a power of two: see [`BOX_EXTENT`].
+    scale: f64,
 }
+
+/// Boxes are scaled so that the bounds' diagonal is 1 to 2 times this: the box test of the library takes no distance below
+/// 1e-4 for a hit, which must be less than the boxes are inflated by, whatever the scene's unit of length.
+const BOX_EXTENT: f64 = 1024.0;
 
 /// A triangle with holes where its texture's alpha is below the cutoff.
 #[derive(Debug, Clone, Copy)]
@@ -98,11 +104,15 @@ impl Geometry {
             scene_triangle.push(index as u32);
             cut_outs.push(cut_out);
         }
-        let margin = (4.0 * f64::from(f32::EPSILON) * extent) as f32;
+        let scale = match (BOX_EXTENT / extent).log2().ceil().exp2() {
+            scale if scale.is_normal() => scale,
+            _ => 1.0,
+        };
+        let margin = (4.0 * f64::from(f32::EPSILON) * extent * scale) as f32;
         let boxes: Vec<Inflated> = corners
             .iter()
             .map(|triangle: &[DVec3; 3]| {
-                let [a, b, c] = triangle.map(|p| p.as_vec3a());
+                let [a, b, c] = triangle.map(|p| (scale * p).as_vec3a());
                 Inflated(Aabb {
                     min: a.min(b).min(c) - margin,
                     max: a.max(b).max(c) + margin,
@@ -123,6 +133,7 @@ impl Geometry {
             rays,
             planes,
             extent,
+            scale,
         }
     }
 
@@ -179,9 +190,10 @@ impl Geometry {
         if skip > far {
             return;
         }
+        let skip = (skip - 0.01 * self.extent).max(0.0);
         let start = origin + skip * ray.direction;
         let box_ray = BoxRay::new(
-            start.as_vec3a(),
+            (self.scale * start).as_vec3a(),
             ray.direction.as_vec3a(),
             0.0,
             f32::INFINITY,
@@ -195,8 +207,8 @@ impl Geometry {
         };
         // A distance in f32 that is surely not less than the f64 one from where the box ray starts.
         let beyond = |distance: f64| {
-            let d = (distance - skip) as f32;
-            d + d.abs() * 4.0 * f32::EPSILON + (self.extent * 1e-6) as f32
+            let d = (self.scale * (distance - skip)) as f32;
+            d + d.abs() * 4.0 * f32::EPSILON + 1e-6 * BOX_EXTENT as f32
         };
         let mut done = false;
         let mut nearest = RayHit::none();
@@ -254,10 +266,12 @@ impl Geometry {
         DVec2::new(f64::from(w), f64::from(h))
     }
 
-    /// A conservative f32 view of a bounding volume.
+    /// Middle and half diagonal [m] of a bounding volume.
     pub(super) fn node_box(&self, node: usize) -> (Vec3A, Vec3A) {
         let aabb = &self.planes.nodes[node].aabb;
-        (0.5 * (aabb.min + aabb.max), 0.5 * (aabb.max - aabb.min))
+        // Division by a power of two: exact.
+        let half = (0.5 / self.scale) as f32;
+        (half * (aabb.min + aabb.max), half * (aabb.max - aabb.min))
     }
 }
 

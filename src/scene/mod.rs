@@ -5,6 +5,7 @@
 
 pub mod camera;
 pub mod curtain;
+pub mod framing;
 pub mod geometry;
 
 use crate::medium::Medium;

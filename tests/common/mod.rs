@@ -1,6 +1,8 @@
 //! What the tests share: data by others, the Python judge, and the count of what could not run.
 #![allow(dead_code)]
 
+pub mod build;
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
