@@ -154,10 +154,7 @@ fn spectra_become_the_xyz_of_colour_science() {
     }
     spectra.push(Box::new(|_| 1.0));
     spectra.push(Box::new(|nm| (-((nm - 523.0) / 8.0_f64).powi(2)).exp()));
-    let ours: Vec<DVec3> = spectra
-        .iter()
-        .map(|s| colour::xyz_from_spectrum(s))
-        .collect();
+    let ours: Vec<DVec3> = spectra.iter().map(colour::xyz_from_spectrum).collect();
     // Equal energy: Y is 683.002 lm/W times the area under y, 106.857 nm (CIE 018).
     assert!(
         (ours[6].y / (683.002 * 106.857) - 1.0).abs() < 1e-5,
