@@ -1,0 +1,351 @@
+//! The sky and the sun: closed forms, published figures, and no seam from noon to night.
+
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+use tyndall::colour::{self, luminance};
+use tyndall::sky::{Model, Sky, SunAt, SunLight, SunPath, hemisphere, sun, twilight};
+use tyndall::units::{DEG, STANDARD_PRESSURE_HPA};
+
+/// Unit vector at an azimuth and elevation [degrees], -Z being azimuth 0.
+fn toward(azimuth: f64, elevation: f64) -> DVec3 {
+    let ((sa, ca), (se, ce)) = ((azimuth * DEG).sin_cos(), (elevation * DEG).sin_cos());
+    DVec3::new(ce * sa, se, -ce * ca)
+}
+
+fn sky(model: Model, elevation: f64) -> Sky {
+    Sky::new(model, SunAt::unrefracted(toward(40.0, elevation))).unwrap()
+}
+
+const PREETHAM: Model = Model::Preetham { turbidity: 3.0 };
+
+/// Directions over the dome, the horizon and the sun's own included.
+fn views(sun_azimuth: f64, sun_elevation: f64) -> Vec<DVec3> {
+    let mut views = vec![DVec3::Y, toward(sun_azimuth, sun_elevation.max(0.0))];
+    for elevation in [0.0, 0.3, 2.0, 10.0, 30.0, 60.0, 85.0] {
+        for step in 0..12 {
+            views.push(toward(
+                sun_azimuth + 30.0 * f64::from(step) + 1.0,
+                elevation,
+            ));
+        }
+    }
+    views
+}
+
+#[test]
+fn a_uniform_sky_is_pi_times_its_luminance() {
+    let sky = sky(Model::Uniform { luminance: 5000.0 }, 30.0);
+    assert!((luminance(sky.horizontal_illuminance()) - PI * 5000.0).abs() < 1e-6);
+    assert_eq!(sky.radiance(toward(200.0, 3.0)), DVec3::splat(5000.0));
+    // The quadrature itself, on integrals with closed forms: 1, cos theta, and a cusp at the sun.
+    for zenith_angle in [0.0, 0.3, 1.2, FRAC_PI_2, 1.8] {
+        let one = hemisphere::horizontal_integral(zenith_angle, |_| DVec3::ONE);
+        assert!((one.x - PI).abs() < 1e-12, "{one}");
+        let cos = hemisphere::horizontal_integral(zenith_angle, |w| DVec3::splat(w.y));
+        assert!((cos.x - 2.0 * PI / 3.0).abs() < 1e-12);
+    }
+    // With the sun at the zenith: 2 pi times the integral of e^(-3 t) sin t cos t over 0 to pi/2 = (1 + e^(-3 pi / 2)) / 13.
+    let cusp = hemisphere::horizontal_integral(0.0, |w| DVec3::splat((-3.0 * w.y.acos()).exp()));
+    let exact = 2.0 * PI * (1.0 + (-3.0 * FRAC_PI_2).exp()) / 13.0;
+    assert!((cusp.x / exact - 1.0).abs() < 1e-7, "{} {exact}", cusp.x);
+}
+
+#[test]
+fn horizontal_illuminance_is_what_the_radiances_sum_to() {
+    for elevation in [90.0, 62.0, 15.0, 7.0, 1.0, -4.0, -15.0] {
+        for turbidity in [2.0, 5.0, 10.0] {
+            let sky = sky(Model::Preetham { turbidity }, elevation);
+            // Equal-area sampling, unaware of the sun: half a million directions.
+            let (rings, steps) = (512, 1024);
+            let mut sum = DVec3::ZERO;
+            for i in 0..rings {
+                let y = ((f64::from(i) + 0.5) / f64::from(rings)).sqrt();
+                let r = (1.0 - y * y).sqrt();
+                for j in 0..steps {
+                    let (s, c) = (2.0 * PI * (f64::from(j) + 0.5) / f64::from(steps)).sin_cos();
+                    sum += sky.radiance(DVec3::new(r * s, y, -r * c));
+                }
+            }
+            let brute = sum * PI / f64::from(rings * steps);
+            let own = sky.horizontal_illuminance();
+            // The midpoint rule's own error at the cusp and the horizon.
+            assert!(
+                (brute / own - DVec3::ONE).abs().max_element() < 2e-4,
+                "{elevation} {turbidity}: {brute} {own}"
+            );
+        }
+    }
+}
+
+#[test]
+fn preetham_is_its_paper_above_ten_degrees() {
+    // Zenith of appendix A.2 for turbidity 3 and a sun at 45 degrees, worked by hand from the printed constants:
+    // chi = (4/9 - 3/120) (pi - pi/2) = 0.658862, Yz = (12.1359 - 4.9710) tan chi - 0.6465 + 2.4192.
+    let zenith = sky(PREETHAM, 45.0).zenith();
+    let expected = 1000.0 * (7.1649 * 0.658_862_f64.tan() - 0.6465 + 2.4192);
+    assert!(
+        (luminance(zenith) / expected - 1.0).abs() < 1e-5,
+        "{zenith} {expected}"
+    );
+    let xyy = colour::xyy_from_xyz(colour::xyz_from_working(zenith));
+    let s = PI / 4.0;
+    let powers = [s * s * s, s * s, s, 1.0];
+    let row = |r: [f64; 4]| r.iter().zip(powers).map(|(a, b)| a * b).sum::<f64>();
+    let x = 9.0 * row([0.00166, -0.00375, 0.00209, 0.0])
+        + 3.0 * row([-0.02903, 0.06377, -0.03202, 0.00394])
+        + row([0.11693, -0.21196, 0.06052, 0.25886]);
+    assert!((xyy.x - x).abs() < 1e-12);
+    // The scene's azimuth does not matter.
+    let turned = Sky::new(PREETHAM, SunAt::unrefracted(toward(200.0, 45.0))).unwrap();
+    let original = sky(PREETHAM, 45.0);
+    let difference = turned.radiance(toward(250.0, 20.0)) - original.radiance(toward(90.0, 20.0));
+    assert!(difference.length() < 1e-9 * original.zenith().length());
+}
+
+#[test]
+fn what_cannot_be_is_an_error_that_helps() {
+    for turbidity in [1.9, 10.1, f64::NAN] {
+        let error =
+            Sky::new(Model::Preetham { turbidity }, SunAt::unrefracted(DVec3::Y)).unwrap_err();
+        assert!(
+            error.is_input() && error.to_string().contains("2 to 10"),
+            "{error}"
+        );
+    }
+    assert!(Sky::new(PREETHAM, SunAt::unrefracted(DVec3::new(1.0, 1.0, 0.0))).is_err());
+    assert!(
+        Sky::new(
+            Model::Uniform { luminance: -1.0 },
+            SunAt::unrefracted(DVec3::Y)
+        )
+        .is_err()
+    );
+    for path in [
+        SunPath {
+            turbidity: 0.5,
+            ..SunPath::standard(0.5, 2.0)
+        },
+        SunPath {
+            pressure_hpa: f64::NAN,
+            ..SunPath::standard(0.5, 2.0)
+        },
+        SunPath {
+            distance_au: 0.0,
+            ..SunPath::standard(0.5, 2.0)
+        },
+    ] {
+        assert!(SunLight::new(&path).is_err(), "{path:?}");
+    }
+    assert!(!sky(PREETHAM, 40.0).warnings().is_empty());
+}
+
+#[test]
+fn the_illuminance_curve_passes_its_landmarks_without_a_step() {
+    // USNO Circular 171: 760 lx at sunrise (geometric), 3.4 at -6, 0.008 at -12, 0.00064 at -18 degrees; 129 klx overhead.
+    for (degrees, lux) in [
+        (90.0, 128_800.0),
+        (0.0, 758.6),
+        (-6.0, 3.41),
+        (-12.0, 0.008_1),
+        (-18.0, 0.000_645),
+    ] {
+        let value = twilight::clear_illuminance(degrees * DEG);
+        assert!((value / lux - 1.0).abs() < 0.01, "{degrees}: {value}");
+    }
+    assert_eq!(
+        twilight::clear_illuminance(-1.0),
+        twilight::clear_illuminance(-FRAC_PI_2)
+    );
+    let mut last = twilight::clear_illuminance(-18.0 * DEG);
+    for i in 1..=10_800 {
+        let value = twilight::clear_illuminance((f64::from(i) * 0.01 - 18.0) * DEG);
+        // The steepest part (about 8.5 degrees down) falls by 0.49 in log10 a degree, 1.1 % a step.
+        assert!(
+            value >= last && value / last < 1.0125,
+            "{i}: {last} {value}"
+        );
+        last = value;
+    }
+}
+
+#[test]
+fn skies_follow_the_published_curve_through_twilight() {
+    for turbidity in [2.0, 3.0, 6.0, 10.0] {
+        let mut last = f64::INFINITY;
+        for i in 0..=340 {
+            let elevation = 5.0 - 0.05 * f64::from(i);
+            let sky = sky(Model::Preetham { turbidity }, elevation);
+            let sun = SunLight::new(&SunPath::standard(elevation * DEG, turbidity)).unwrap();
+            let total = luminance(sky.horizontal_illuminance() + sun.horizontal_illuminance());
+            let published = twilight::clear_illuminance(elevation * DEG);
+            assert!(
+                (1.0 / 1.5..1.5).contains(&(total / published)),
+                "{turbidity} {elevation}: {total} {published}"
+            );
+            assert!(total < last, "{turbidity} {elevation}: {last} {total}");
+            last = total;
+        }
+    }
+}
+
+#[test]
+fn no_seam_from_ten_degrees_to_the_night() {
+    for turbidity in [2.0, 4.5, 10.0] {
+        let mut last: Option<Vec<DVec3>> = None;
+        for i in 0..=3100 {
+            let elevation = 12.0 - 0.01 * f64::from(i);
+            let sky = sky(Model::Preetham { turbidity }, elevation);
+            let now: Vec<DVec3> = views(40.0, 5.0)
+                .into_iter()
+                .map(|w| sky.radiance(w))
+                .collect();
+            for (k, v) in now.iter().enumerate() {
+                assert!(
+                    v.is_finite() && v.min_element() >= 0.0,
+                    "{turbidity} {elevation} {k}: {v}"
+                );
+                assert!(luminance(*v) > 0.0);
+                if let Some(last) = &last {
+                    let ratio = luminance(*v) / luminance(last[k]);
+                    // 2 %; the curve itself falls by 1.1 % a step at its steepest.
+                    assert!(
+                        (ratio - 1.0).abs() < 0.02,
+                        "{turbidity} {elevation} {k}: {ratio}"
+                    );
+                }
+            }
+            last = Some(now);
+        }
+        // The night: the same whatever the sun does.
+        assert_eq!(
+            sky(Model::Preetham { turbidity }, -18.0).zenith(),
+            sky(Model::Preetham { turbidity }, -60.0).zenith()
+        );
+    }
+}
+
+#[test]
+fn the_horizon_is_finite_and_smooth() {
+    for elevation in [80.0, 30.0, 12.0, 3.0, -3.0, -10.0] {
+        let sky = sky(PREETHAM, elevation);
+        for azimuth in [40.0, 100.0, 220.0] {
+            let mut last = sky.radiance(toward(azimuth, 0.0));
+            for i in 1..=300 {
+                let next = sky.radiance(toward(azimuth, 0.01 * f64::from(i)));
+                assert!(next.is_finite());
+                assert!(
+                    (luminance(next) / luminance(last) - 1.0).abs() < 0.01,
+                    "{elevation} {azimuth} {i}"
+                );
+                last = next;
+            }
+        }
+        assert!(sky.radiance(toward(10.0, -5.0)).is_finite());
+    }
+}
+
+#[test]
+fn the_disc_s_mean_is_its_illuminance_over_its_solid_angle() {
+    // Mean over the disc of the limb profile: 2 times the integral of limb(rho) rho, by substitution u = rho^2.
+    let n = 200_000;
+    let mean: DVec3 = (0..n)
+        .map(|i| sun::limb(((f64::from(i) + 0.5) / f64::from(n)).sqrt()))
+        .sum::<DVec3>()
+        / f64::from(n);
+    assert!((mean - DVec3::ONE).abs().max_element() < 1e-5, "{mean}");
+    // The limb is darker, and redder.
+    assert!(sun::limb(0.95).max_element() < sun::limb(0.0).min_element());
+    assert!(sun::limb(0.95).x > sun::limb(0.95).z);
+    assert!(sun::limb(1.0).is_finite());
+    let light = SunLight::new(&SunPath::standard(FRAC_PI_2, 2.0)).unwrap();
+    // 32 arcminutes: 6.8e-5 sr, and 1.6 to 1.9 Gcd/m2 at the ground.
+    assert!((light.solid_angle() / 6.8e-5 - 1.0).abs() < 0.01);
+    let mean = luminance(light.full_illuminance) / light.solid_angle();
+    assert!((1.3e9..1.9e9).contains(&mean), "{mean}");
+}
+
+#[test]
+fn sunlight_has_published_values() {
+    let lux = |elevation: f64, turbidity: f64| {
+        luminance(
+            SunLight::new(&SunPath::standard(elevation * DEG, turbidity))
+                .unwrap()
+                .illuminance,
+        )
+    };
+    // Outside the atmosphere: 133 klx by ASTM G173 (accepted values 128 to 134), 1 341 W/m2 from 0.3 to 4 micrometres.
+    let outside = SunLight::new(&SunPath {
+        pressure_hpa: 0.0,
+        ozone_cm: 0.0,
+        water_cm: 0.0,
+        turbidity: 1.0,
+        ..SunPath::standard(FRAC_PI_2, 2.0)
+    })
+    .unwrap();
+    assert!(
+        (128e3..134.5e3).contains(&luminance(outside.illuminance)),
+        "{}",
+        luminance(outside.illuminance)
+    );
+    assert!(
+        (outside.irradiance.unwrap() / 1341.0 - 1.0).abs() < 0.002,
+        "{:?}",
+        outside.irradiance
+    );
+    // Preetham's own sun (the same optics with Kasten's 1965 air mass and a coarser spectrum that sums to 4 % less), at
+    // 30 degrees: 81, 67 and 37 klx at turbidity 2, 3 and 6.
+    for (turbidity, klx) in [(2.0, 81.0), (3.0, 67.0), (6.0, 37.0)] {
+        let ratio = lux(30.0, turbidity) / 1000.0 / klx;
+        assert!((0.97..1.08).contains(&ratio), "{turbidity}: {ratio}");
+    }
+    // Thinner air lets more through.
+    let high = SunPath {
+        pressure_hpa: 0.7 * STANDARD_PRESSURE_HPA,
+        ..SunPath::standard(0.5, 2.0)
+    };
+    assert!(luminance(SunLight::new(&high).unwrap().illuminance) > lux(0.5 / DEG, 2.0));
+    // The inverse square.
+    let near = SunLight::new(&SunPath {
+        distance_au: 0.983,
+        ..SunPath::standard(0.5, 2.0)
+    })
+    .unwrap();
+    assert!(
+        (luminance(near.illuminance) * 0.983 * 0.983 / lux(0.5 / DEG, 2.0) - 1.0).abs() < 1e-12
+    );
+}
+
+#[test]
+fn the_sun_sets_smoothly_and_reddens() {
+    let at = |elevation: f64| SunLight::new(&SunPath::standard(elevation * DEG, 3.0)).unwrap();
+    let radius = at(0.0).angular_radius / DEG;
+    assert!((radius - 0.2665).abs() < 1e-3);
+    assert!((at(0.0).visible_share - 0.5).abs() < 1e-12);
+    assert_eq!(at(-radius - 1e-6).illuminance, DVec3::ZERO);
+    assert_eq!(at(-40.0).illuminance, DVec3::ZERO);
+    assert_eq!(at(radius + 1e-6).visible_share, 1.0);
+    let start = at(4.0);
+    let mut last = luminance(start.illuminance);
+    for i in 1..=5000 {
+        let light = at(4.0 - 0.001 * f64::from(i));
+        let now = luminance(light.illuminance);
+        assert!(light.illuminance.is_finite() && light.illuminance.min_element() >= 0.0);
+        assert!(light.full_illuminance.is_finite() && luminance(light.full_illuminance) > 0.0);
+        // Falls without a step: by less than 1e-4 of the light at 4 degrees per thousandth of a degree, twice the mean slope.
+        assert!(
+            now <= last && last - now < 1e-3 * luminance(start.illuminance),
+            "{i}: {last} {now}"
+        );
+        last = now;
+    }
+    assert_eq!(last, 0.0);
+    let red = |l: &SunLight| l.full_illuminance.x / luminance(l.full_illuminance);
+    assert!(red(&at(0.0)) > red(&at(5.0)) && red(&at(5.0)) > red(&at(40.0)));
+    // Kasten & Young 1989: 37.92 at the horizon, 1.9939 at 30 degrees, 1 overhead to 3e-4.
+    for (elevation, mass) in [(0.0, 37.92), (30.0, 1.9939), (90.0, 1.0)] {
+        assert!(
+            (sun::relative_air_mass(elevation * DEG) / mass - 1.0).abs() < 4e-4,
+            "{elevation}"
+        );
+    }
+}
