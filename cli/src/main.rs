@@ -1,2 +1,35 @@
-//! cli
-fn main() {}
+//! The command line of tyndall.
+
+mod place_time;
+mod sun;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// An outdoor sky and light-shaft simulator
+#[derive(Parser)]
+#[command(name = "tyndall", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// Sun position, rise, set, noon and twilights
+    Sun(sun::SunArgs),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Sun(args) => sun::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}\n  help: {}", error.problem(), error.remedy());
+            ExitCode::from(if error.is_input() { 2 } else { 1 })
+        }
+    }
+}
