@@ -25,8 +25,8 @@ pub(super) struct Assembly {
     odd_attributes: usize,
 }
 
-/// Twice a triangle's area over its longest edge squared, below which it has no area that f32 coordinates could mean.
-const LEAST_ASPECT: f64 = 1e-12;
+/// Twice a triangle's area over its longest edge squared, below which rounding of f64 edges alone can make it.
+const LEAST_ASPECT: f64 = 1e-14;
 
 impl Assembly {
     /// Adds `piece`, moved by `to_scene`. A mirroring transform turns the winding, so that front sides stay in front.
