@@ -4,11 +4,14 @@
 //! lacks. Nothing here is physics yet: [`crate::conditions`] makes it so, and is the one place where domains are checked.
 
 pub mod camera;
+pub mod curtain;
+pub mod geometry;
 
 use crate::medium::Medium;
 use glam::{DVec2, DVec3};
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, Projection, Ray};
+pub use geometry::{Geometry, Hit};
 
 /// Everything that a user can say about a scene.
 #[derive(Debug, Clone, Default)]
