@@ -173,7 +173,11 @@ fn lit_runs_agree_with_a_million_shadow_rays_on_soups_and_terrain() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut checked = 0;
     for (count, size) in [(20, 6.0), (300, 2.0), (20_000, 0.2)] {
-        checked += compare(&scene_of(soup(count, size, &mut random)), 1200, 7 + count as u64);
+        checked += compare(
+            &scene_of(soup(count, size, &mut random)),
+            1200,
+            7 + count as u64,
+        );
     }
     checked += compare(&scene_of(terrain(100)), 1500, 99);
     assert!(checked > 1_000_000, "only {checked}");
