@@ -3,6 +3,7 @@ pub mod colour;
 pub mod ephemeris;
 pub mod error;
 pub mod frame;
+pub mod gpu;
 pub mod medium;
 pub mod output;
 pub mod scene;
