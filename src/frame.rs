@@ -274,7 +274,8 @@ mod tests {
             frame
         };
         good().check().expect("nothing is wrong with it");
-        let spoilt: [(&str, fn(&mut Frame)); 10] = [
+        type Spoil = fn(&mut Frame);
+        let spoilt: [(&str, Spoil); 10] = [
             ("sky is [1, NaN, 1] at pixel (1, 1)", |f| {
                 f.layers[0].rgb[4].y = f32::NAN
             }),

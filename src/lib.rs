@@ -5,6 +5,7 @@ pub mod effect;
 pub mod ephemeris;
 pub mod error;
 pub mod frame;
+pub mod gpu;
 pub mod medium;
 pub mod output;
 pub mod plan;
