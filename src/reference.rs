@@ -2,10 +2,11 @@
 //!
 //! Rays are worked off in batches, each of which passes through all effects of the plan; only the fields that these write are
 //! ever held. A first pass takes one ray through each pixel's centre; where a picture of more samples is wanted, pixels that
-//! differ from a neighbour are then taken again with that many rays.
+//! differ from a neighbour are then taken again with that many rays: with all effects where the air's light differs, without
+//! the air's where only surfaces or background do.
 
 use crate::colour::luminance;
-use crate::effect::{ALL, Batch, Field, Fields, Settings, Surface};
+use crate::effect::{ALL, Batch, Effect, Field, Fields, Settings, Surface};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Layer, NO_HIT};
 use crate::plan::Plan;
@@ -17,8 +18,11 @@ use std::time::{Duration, Instant};
 /// Called with the share of the work that is done, 0 to 1.
 pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 
-/// Pixels of neighbouring colour closer than this (of the brighter one's luminance) are one surface to the eye.
-const CONTRAST: f64 = 0.04;
+/// Neighbouring pixels that differ by less than this share of the brighter one's luminance need no more rays.
+const CONTRAST: f64 = 0.05;
+
+/// The same for the air's own light, which is soft but where a surface ends, and dear.
+const AIR_CONTRAST: f64 = 0.1;
 
 /// What one pixel holds.
 #[derive(Debug, Clone)]
@@ -59,12 +63,25 @@ pub struct Rendered {
     pub elapsed: Duration,
 }
 
+struct Prepared<'a> {
+    effect: &'static Effect,
+    run: Batch<'a>,
+    nanoseconds: AtomicU64,
+}
+
+/// Which effects are run on a ray.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Extent {
+    All,
+    /// All but those that only make the air's own light.
+    WithoutAir,
+}
+
 /// A plan made ready to answer for any pixels.
 pub struct Reference<'a> {
     plan: &'a Plan<'a>,
-    steps: Vec<(&'static str, Batch<'a>)>,
+    steps: Vec<Prepared<'a>>,
     written: Vec<Field>,
-    nanoseconds: Vec<AtomicU64>,
 }
 
 impl<'a> Reference<'a> {
@@ -76,18 +93,17 @@ impl<'a> Reference<'a> {
                 let settings = Settings {
                     values: &step.settings,
                 };
-                (
-                    step.effect.name,
-                    (step.effect.reference)(plan.conditions, &settings),
-                )
+                Prepared {
+                    effect: step.effect,
+                    run: (step.effect.reference)(plan.conditions, &settings),
+                    nanoseconds: AtomicU64::new(0),
+                }
             })
             .collect();
-        let nanoseconds = steps.iter().map(|_| AtomicU64::new(0)).collect();
         Reference {
             plan,
             steps,
             written: plan.written(),
-            nanoseconds,
         }
     }
 
@@ -103,6 +119,10 @@ impl<'a> Reference<'a> {
 
     /// Takes rays through positions of the picture [pixels]; each belongs to the pixel that is named.
     pub fn trace(&self, positions: &[(UVec2, DVec2)]) -> Vec<Sample> {
+        self.trace_with(positions, Extent::All)
+    }
+
+    fn trace_with(&self, positions: &[(UVec2, DVec2)], extent: Extent) -> Vec<Sample> {
         let conditions = self.plan.conditions;
         let rays = positions
             .iter()
@@ -110,10 +130,14 @@ impl<'a> Reference<'a> {
             .collect();
         let pixels = positions.iter().map(|(pixel, _)| *pixel).collect();
         let mut fields = Fields::new(rays, pixels, &self.written);
-        for ((_, step), nanoseconds) in self.steps.iter().zip(&self.nanoseconds) {
+        for step in &self.steps {
+            if extent == Extent::WithoutAir && only_air(step.effect) {
+                continue;
+            }
             let start = Instant::now();
-            step(&mut fields);
-            nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+            (step.run)(&mut fields);
+            let elapsed = start.elapsed().as_nanos() as u64;
+            step.nanoseconds.fetch_add(elapsed, Ordering::Relaxed);
         }
         (0..positions.len())
             .map(|i| Sample {
@@ -142,10 +166,9 @@ impl<'a> Reference<'a> {
     pub fn stage_times(&self) -> Vec<StageTime> {
         self.steps
             .iter()
-            .zip(&self.nanoseconds)
-            .map(|((effect, _), ns)| StageTime {
-                effect,
-                time: Duration::from_nanos(ns.load(Ordering::Relaxed)),
+            .map(|step| StageTime {
+                effect: step.effect.name,
+                time: Duration::from_nanos(step.nanoseconds.load(Ordering::Relaxed)),
             })
             .collect()
     }
@@ -200,10 +223,10 @@ impl<'a> Reference<'a> {
             for (part, chunk) in edges.chunks(4096).enumerate() {
                 let means: Vec<[DVec3; 8]> = chunk
                     .par_chunks(16)
-                    .flat_map_iter(|pixels| self.means(pixels, &offsets))
+                    .flat_map_iter(|edges| self.means(edges, &offsets))
                     .collect();
-                for (pixel, mean) in chunk.iter().zip(&means) {
-                    self.put_mean(&mut frame, *pixel, mean);
+                for ((pixel, extent), mean) in chunk.iter().zip(&means) {
+                    self.put_mean(&mut frame, *pixel, mean, *extent);
                 }
                 let done = (part * 4096 + chunk.len()) as f64 / edges.len() as f64;
                 progress(first_share + (1.0 - first_share) * done);
@@ -219,16 +242,16 @@ impl<'a> Reference<'a> {
     }
 
     /// The means over `offsets` of the layers and the transmittance of each pixel.
-    fn means(&self, pixels: &[UVec2], offsets: &[DVec2]) -> Vec<[DVec3; 8]> {
-        let positions: Vec<_> = pixels
+    fn means(&self, edges: &[(UVec2, Extent)], offsets: &[DVec2]) -> Vec<[DVec3; 8]> {
+        edges
             .iter()
-            .flat_map(|p| offsets.iter().map(|o| (*p, p.as_dvec2() + *o)))
-            .collect();
-        self.trace(&positions)
-            .chunks(offsets.len())
-            .map(|samples| {
+            .map(|(pixel, extent)| {
+                let positions: Vec<_> = offsets
+                    .iter()
+                    .map(|offset| (*pixel, pixel.as_dvec2() + *offset))
+                    .collect();
                 let mut mean = [DVec3::ZERO; 8];
-                for sample in samples {
+                for sample in self.trace_with(&positions, *extent) {
                     for (m, v) in mean.iter_mut().zip(&sample.layers) {
                         *m += v / offsets.len() as f64;
                     }
@@ -244,19 +267,22 @@ impl<'a> Reference<'a> {
         let mut values = [DVec3::ZERO; 8];
         values[..7].copy_from_slice(&sample.layers);
         values[7] = sample.transmittance;
-        self.put_mean(frame, pixel, &values);
+        self.put_mean(frame, pixel, &values, Extent::All);
         let surface = &sample.surface;
         frame.depth[index] = (surface.distance as f32).min(NO_HIT);
         frame.normal[index] = surface.normal.as_vec3();
     }
 
-    fn put_mean(&self, frame: &mut Frame, pixel: UVec2, values: &[DVec3; 8]) {
+    fn put_mean(&self, frame: &mut Frame, pixel: UVec2, values: &[DVec3; 8], extent: Extent) {
         let index = (pixel.y * frame.width + pixel.x) as usize;
         for layer in &mut frame.layers {
             let slot = Field::LAYERS
                 .iter()
                 .position(|f| f.name() == layer.name)
                 .expect("only layers of the list are made");
+            if extent == Extent::WithoutAir && AIR.contains(&Field::LAYERS[slot]) {
+                continue;
+            }
             layer.rgb[index] = values[slot].as_vec3();
         }
         frame.transmittance[index] = values[7].as_vec3();
@@ -344,31 +370,51 @@ fn offsets(samples: u32) -> Vec<DVec2> {
         .collect()
 }
 
-/// The pixels whose colour differs from one of their eight neighbours'.
-fn edges(frame: &Frame) -> Vec<UVec2> {
+/// The layers of light that the air itself sends.
+const AIR: [Field; 3] = [
+    Field::InscatterSun,
+    Field::InscatterSky,
+    Field::InscatterLights,
+];
+
+/// Whether an effect makes nothing but the air's own light.
+fn only_air(effect: &Effect) -> bool {
+    !effect.writes.is_empty() && effect.writes.iter().all(|field| AIR.contains(field))
+}
+
+/// The pixels whose colour differs from one of their eight neighbours', and what must be taken again there.
+fn edges(frame: &Frame) -> Vec<(UVec2, Extent)> {
     let (width, height) = (frame.width as usize, frame.height as usize);
-    let picture: Vec<DVec3> = (0..frame.pixels())
+    let is_air = |layer: &&Layer| AIR.iter().any(|air| air.name() == layer.name);
+    let (picture, air): (Vec<DVec3>, Vec<DVec3>) = (0..frame.pixels())
         .into_par_iter()
-        .map(|i| frame.picture(i))
-        .collect();
-    let differs = |a: usize, b: usize| {
-        let (p, q) = (picture[a], picture[b]);
-        let brighter = luminance(p).max(luminance(q));
-        (p - q).abs().max_element() > CONTRAST * brighter
+        .map(|i| {
+            let air = frame.layers.iter().filter(is_air);
+            let air: DVec3 = air.map(|layer| layer.rgb[i].as_dvec3()).sum();
+            (frame.picture(i), air)
+        })
+        .unzip();
+    let differs = |values: &[DVec3], contrast: f64, a: usize, b: usize| {
+        let brighter = luminance(picture[a]).max(luminance(picture[b]));
+        (values[a] - values[b]).abs().max_element() > contrast * brighter
     };
-    (0..height)
+    let around = |x: usize, y: usize| {
+        let columns = x.saturating_sub(1)..(x + 2).min(width);
+        (y.saturating_sub(1)..(y + 2).min(height))
+            .flat_map(move |v| columns.clone().map(move |u| v * width + u))
+    };
+    (0..width * height)
         .into_par_iter()
-        .flat_map_iter(|y| {
-            let differs = &differs;
-            (0..width)
-                .filter(move |&x| {
-                    let rows = y.saturating_sub(1)..(y + 2).min(height);
-                    let mut neighbours = rows.flat_map(|v| {
-                        (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| (u, v))
-                    });
-                    neighbours.any(|(u, v)| differs(y * width + x, v * width + u))
-                })
-                .map(move |x| UVec2::new(x as u32, y as u32))
+        .filter_map(|i| {
+            let (x, y) = (i % width, i / width);
+            let extent = if around(x, y).any(|j| differs(&air, AIR_CONTRAST, i, j)) {
+                Extent::All
+            } else if around(x, y).any(|j| differs(&picture, CONTRAST, i, j)) {
+                Extent::WithoutAir
+            } else {
+                return None;
+            };
+            Some((UVec2::new(x as u32, y as u32), extent))
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 //! On a lattice over each triangle that the picture shows, and on a grid on the ground, rays spread by the cosine law find what
 //! part of the sky is visible; in between, the irradiance is interpolated. E = pi / N sum L_sky(w) V(w) e^-tau(w). The
 //! directions are the centres of equal cells of the hemisphere; a cell that a neighbour disagrees with about seeing the light
-//! is divided into sixteen, so that the outline of a window counts more finely than its inside, and where little light is
+//! is divided into four, so that the outline of a window counts more finely than its inside, and where little light is
 //! found all cells are smaller. The ground is seen as if it
 //! lay open to the sky (without the shadows of what stands on it). Light that surfaces reflect to each other is missing, so
 //! interiors come out darker than they are.
@@ -30,7 +30,7 @@ pub const SURFACE_SKY: Effect = Effect {
         Knob {
             name: "rays",
             meaning: "rays from each lattice point, before outlines are refined",
-            values: [64.0, 144.0, 256.0, 1024.0],
+            values: [36.0, 64.0, 144.0, 1024.0],
             range: [4.0, 65536.0],
         },
         Knob {
@@ -78,6 +78,10 @@ struct SkyShare<'a> {
     spacing: f64,
     /// One lattice for each side of each triangle of the scene.
     lattices: Vec<OnceLock<Lattice>>,
+    /// The first triangle of each vertex that has a normal of its own: there all its triangles share one value.
+    first_triangles: Vec<Option<u32>>,
+    /// One value for each side of each such vertex.
+    corners: Vec<OnceLock<DVec3>>,
     ground: GroundGrid,
     /// What an open ground reflects [cd/m2, RGB].
     ground_radiance: DVec3,
@@ -99,6 +103,15 @@ const GRID: usize = 192;
 
 impl<'a> SkyShare<'a> {
     fn new(conditions: &'a Conditions, sky: &'a Sky, rays: usize, spacing: f64) -> Self {
+        let mesh = &conditions.scene.mesh;
+        let mut first_triangles = vec![None; mesh.positions.len()];
+        for (index, triangle) in mesh.triangles.iter().enumerate().rev() {
+            for vertex in triangle.vertices.map(|v| v as usize) {
+                if mesh.normals[vertex] != DVec3::ZERO {
+                    first_triangles[vertex] = Some(index as u32);
+                }
+            }
+        }
         let (min, max) = conditions.geometry.bounds();
         let extent = conditions.geometry.extent();
         let cell = 3.0 * extent / GRID as f64;
@@ -109,7 +122,11 @@ impl<'a> SkyShare<'a> {
             cells: (rays as f64).sqrt().round().max(2.0) as usize,
             spacing,
             lattices: std::iter::repeat_with(OnceLock::new)
-                .take(2 * conditions.scene.mesh.triangles.len())
+                .take(2 * mesh.triangles.len())
+                .collect(),
+            first_triangles,
+            corners: std::iter::repeat_with(OnceLock::new)
+                .take(2 * mesh.positions.len())
                 .collect(),
             ground: GroundGrid {
                 min: middle - 1.5 * DVec3::splat(extent),
@@ -154,23 +171,24 @@ impl<'a> SkyShare<'a> {
         });
         let steps = lattice.steps as f64;
         let value = |i: usize, j: usize| {
+            let corner = match (i, j) {
+                (0, 0) => Some(0),
+                (i, 0) if i == lattice.steps => Some(1),
+                (0, j) if j == lattice.steps => Some(2),
+                _ => None,
+            };
+            if let Some(corner) = corner {
+                let vertex = triangle.vertices[corner] as usize;
+                if let Some(first) = self.first_triangles[vertex] {
+                    return *self.corners[2 * vertex + usize::from(front)]
+                        .get_or_init(|| self.at_vertex(first as usize, vertex as u32, front));
+                }
+            }
             // Row j of the lattice has steps + 1 - j points.
             let row = j * (2 * lattice.steps + 3 - j) / 2;
             *lattice.points[row + i].get_or_init(|| {
-                // A little inside, so that points on an edge do not lie in the neighbouring wall.
-                let inward = |x: f64| 1.0 / 3.0 + (x - 1.0 / 3.0) * (1.0 - 2e-3);
-                let (b, c) = (inward(i as f64 / steps), inward(j as f64 / steps));
-                let weights = [1.0 - b - c, b, c];
-                let mix = |values: [DVec3; 3]| {
-                    values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
-                };
-                let smooth = mix(triangle.vertices.map(|k| mesh.normals[k as usize]));
-                let normal = match smooth.try_normalize() {
-                    Some(n) if n.dot(facet) < 0.0 => -n,
-                    Some(n) => n,
-                    None => facet,
-                };
-                self.gather(mix(corners), normal, facet, true)
+                let (b, c) = (i as f64 / steps, j as f64 / steps);
+                self.at_point(index, [1.0 - b - c, b, c], front)
             })
         };
         // The lattice cell is split into two triangles.
@@ -186,6 +204,33 @@ impl<'a> SkyShare<'a> {
                 + value(i + 1, j) * (1.0 - g)
         }
         .max(DVec3::ZERO)
+    }
+
+    /// Irradiance at a vertex, taken on the first triangle that has it.
+    fn at_vertex(&self, triangle: usize, vertex: u32, front: bool) -> DVec3 {
+        let vertices = self.conditions.scene.mesh.triangles[triangle].vertices;
+        let weights = vertices.map(|v| f64::from(u8::from(v == vertex)));
+        self.at_point(triangle, weights, front)
+    }
+
+    /// Irradiance at a point of a triangle on one of its sides.
+    fn at_point(&self, triangle: usize, weights: [f64; 3], front: bool) -> DVec3 {
+        let mesh = &self.conditions.scene.mesh;
+        let vertices = mesh.triangles[triangle].vertices.map(|v| v as usize);
+        let corners = vertices.map(|v| mesh.positions[v]);
+        let outward = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let facet = outward.normalize_or_zero() * if front { 1.0 } else { -1.0 };
+        // A little inside, so that points on an edge do not lie in the neighbouring wall.
+        let weights = weights.map(|w| 1.0 / 3.0 + (w - 1.0 / 3.0) * (1.0 - 2e-3));
+        let mix = |values: [DVec3; 3]| {
+            values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
+        };
+        let normal = match mix(vertices.map(|v| mesh.normals[v])).try_normalize() {
+            Some(n) if n.dot(facet) < 0.0 => -n,
+            Some(n) => n,
+            None => facet,
+        };
+        self.gather(mix(corners), normal, facet, true)
     }
 
     fn on_ground(&self, position: DVec3) -> DVec3 {
@@ -229,7 +274,7 @@ impl<'a> SkyShare<'a> {
         let mut coarse = cells(n);
         // Where little light is found, windows are smaller than cells, and many may have been missed.
         if occluded && 16 * coarse.iter().filter(|c| **c != DVec3::ZERO).count() < coarse.len() {
-            n *= 4;
+            n *= 2;
             coarse = cells(n);
         }
         let lit = |i: usize, j: usize| coarse[j * n + i] != DVec3::ZERO;
@@ -242,11 +287,11 @@ impl<'a> SkyShare<'a> {
                     || j > 0 && lit(i, j - 1) != here
                     || j + 1 < n && lit(i, j + 1) != here;
                 sum += if outline {
-                    let fine = |k: usize, m: usize| (k as f64 + (m as f64 + 0.5) / 4.0) / n as f64;
-                    (0..16)
-                        .map(|m| look(fine(i, m % 4), fine(j, m / 4)))
+                    let fine = |k: usize, m: usize| (k as f64 + (m as f64 + 0.5) / 2.0) / n as f64;
+                    (0..4)
+                        .map(|m| look(fine(i, m % 2), fine(j, m / 2)))
                         .sum::<DVec3>()
-                        / 16.0
+                        / 4.0
                 } else {
                     coarse[j * n + i]
                 };

@@ -8,11 +8,12 @@
 //! Everything happens in the ray's own frame (n, m, r): r along the ray, m across it on the sun's side, n at right angles to
 //! both. A point p of the curtain (p.n = 0, p.m = y >= 0) shades the ray at t = p.r - y cot(theta), theta being the angle
 //! between the ray and the sun. Several suns (the points of its disc) share one search: each only turns the half-plane a
-//! little about the ray.
+//! little about the ray. What could only darken points that are dark already is passed over, and what may darken most is
+//! looked at first.
 
 use super::Ray;
-use super::geometry::{CutOut, Geometry};
-use glam::{DVec2, DVec3, Vec3A};
+use super::geometry::{CutOut, Geometry, Node};
+use glam::{BVec4A, DMat3, DVec2, DVec3, Vec3A, Vec4};
 
 /// A run of a ray between two distances [m].
 pub type Run = [f64; 2];
@@ -83,39 +84,43 @@ impl Geometry {
         if planes.is_empty() {
             return;
         }
-        let search = Search {
+        let mut search = Search {
             geometry: self,
             frame: [n, m, r],
+            to_frame: DMat3::from_cols(n, m, r).transpose(),
             base,
             planes: &planes,
             span: [-near, far - near],
+            dark: vec![Vec::new(); planes.len()],
+            together: 1e-13 * (near + self.extent),
         };
-        search.run(|k, run| {
-            let run = [(run[0] + near).max(0.0), (run[1] + near).min(far)];
-            if run[1] > run[0] {
-                dark[which[k]].push(run);
-            }
-        });
-        let together = 1e-13 * (far + self.extent);
-        for runs in dark.iter_mut() {
-            merge(runs, together);
+        search.run();
+        for (k, runs) in which.iter().zip(search.dark) {
+            dark[*k].extend(
+                runs.iter()
+                    .map(|run| [(run[0] + near).max(0.0), (run[1] + near).min(far)])
+                    .filter(|[a, b]| b > a),
+            );
         }
     }
 }
 
-/// Sorts runs and joins those that touch (within `together`).
-fn merge(runs: &mut Vec<Run>, together: f64) {
-    runs.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut kept = 0;
-    for i in 0..runs.len() {
-        if kept > 0 && runs[i][0] <= runs[kept - 1][1] + together {
-            runs[kept - 1][1] = runs[kept - 1][1].max(runs[i][1]);
-        } else {
-            runs[kept] = runs[i];
-            kept += 1;
-        }
+/// Adds a run to sorted, separate ones, joined with those that it touches (within `together`).
+fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
+    let first = runs.partition_point(|r| r[1] + together < run[0]);
+    let after = first + runs[first..].partition_point(|r| r[0] <= run[1] + together);
+    if first == after {
+        runs.insert(first, run);
+        return;
     }
-    runs.truncate(kept);
+    runs[first] = [run[0].min(runs[first][0]), run[1].max(runs[after - 1][1])];
+    runs.drain(first + 1..after);
+}
+
+/// Whether one of the sorted, separate runs holds all of [from, to].
+fn holds(runs: &[Run], from: f64, to: f64) -> bool {
+    let after = runs.partition_point(|r| r[0] <= from);
+    after > 0 && runs[after - 1][1] >= to
 }
 
 /// The runs of [0, far] between the given ones: from dark to lit and back.
@@ -127,164 +132,268 @@ pub fn complement(runs: &[Run], far: f64) -> impl Iterator<Item = Run> + '_ {
 
 struct Search<'a> {
     geometry: &'a Geometry,
+    /// The ray's frame (n, m, r), and what takes a vector to it.
     frame: [DVec3; 3],
+    to_frame: DMat3,
     base: DVec3,
     planes: &'a [HalfPlane],
     span: Run,
+    /// What is dark so far, for each half-plane.
+    dark: Vec<Vec<Run>>,
+    together: f64,
+}
+
+/// Four half-planes at once, in f32; the last one is repeated where there are fewer.
+struct Lanes {
+    cos: Vec4,
+    sin: Vec4,
+    cot: Vec4,
+    /// Which of [`Search::planes`] the first lane is, and how many lanes count.
+    first: usize,
+    count: usize,
+}
+
+impl Lanes {
+    fn new(planes: &[HalfPlane], first: usize) -> Self {
+        let count = (planes.len() - first).min(4);
+        let lane = |value: fn(&HalfPlane) -> f64| {
+            Vec4::from_array(std::array::from_fn(|i| {
+                value(&planes[first + i.min(count - 1)]) as f32
+            }))
+        };
+        Lanes {
+            cos: lane(|p| p.cos),
+            sin: lane(|p| p.sin),
+            cot: lane(|p| p.cot),
+            first,
+            count,
+        }
+    }
+
+    /// Which half-planes cut a box (its middle and half size in the ray's frame), and between which places of the ray it may
+    /// shade.
+    fn cut(&self, c: [f32; 3], h: [f32; 3], slack: f32) -> (BVec4A, Vec4, Vec4) {
+        let (cos, sin) = (self.cos.abs(), self.sin.abs());
+        let aside = (self.cos * c[0] - self.sin * c[1]).abs() - cos * h[0] - sin * h[1];
+        let height = self.cos * c[1] + self.sin * c[0];
+        let reach = cos * h[1] + sin * h[0];
+        let (low, high) = ((height - reach).max(Vec4::ZERO), height + reach);
+        let (a, b) = (low * self.cot, high * self.cot);
+        let margin = slack * (Vec4::ONE + self.cot.abs());
+        let cut = aside.cmple(Vec4::ZERO) & high.cmpge(Vec4::ZERO);
+        (
+            cut,
+            c[2] - h[2] - a.max(b) - margin,
+            c[2] + h[2] - a.min(b) + margin,
+        )
+    }
 }
 
 impl Search<'_> {
-    fn run(&self, mut found: impl FnMut(usize, Run)) {
+    fn run(&mut self) {
         let [n, m, r] = self.frame.map(|v| v.as_vec3a());
         let (na, ma, ra) = (n.abs(), m.abs(), r.abs());
         let base = self.base.as_vec3a();
-        let planes: Vec<[f32; 3]> = self
-            .planes
-            .iter()
-            .map(|p| [p.cos as f32, p.sin as f32, p.cot as f32])
+        let lanes: Vec<Lanes> = (0..self.planes.len())
+            .step_by(4)
+            .map(|first| Lanes::new(self.planes, first))
             .collect();
         // f32 rounding of the frame's coordinates, several times over.
         let slack = 1e-6 * (self.geometry.extent as f32 + base.length());
-        let (first, last) = (self.span[0] as f32, self.span[1] as f32);
-        let cut = |node: usize| {
-            let (centre, half) = self.geometry.node_box(node);
-            let c: Vec3A = centre - base;
-            let (x, y, z) = (n.dot(c), m.dot(c), r.dot(c));
-            let (hx, hy, hz) = (
-                na.dot(half) + slack,
-                ma.dot(half) + slack,
-                ra.dot(half) + slack,
-            );
-            planes.iter().any(|&[cos, sin, cot]| {
-                let aside = (cos * x - sin * y).abs() - cos.abs() * hx - sin.abs() * hy;
-                let height = cos * y + sin * x;
-                let reach = cos.abs() * hy + sin.abs() * hx;
-                let (low, high) = ((height - reach).max(0.0), height + reach);
-                let (a, b) = (low * cot, high * cot);
-                let margin = slack * (1.0 + cot.abs());
-                aside <= 0.0
-                    && high >= 0.0
-                    && z + hz - a.min(b) + margin >= first
-                    && z - hz - a.max(b) - margin <= last
-            })
+        let span = self.span;
+        let geometry = self.geometry;
+        // Between which places of the ray a node may yet darken something; `None` if nowhere.
+        let reach = |node: &Node, dark: &[Vec<Run>]| -> Option<[f32; 2]> {
+            let c: Vec3A = node.middle - base;
+            let c = [n.dot(c), m.dot(c), r.dot(c)];
+            let h = [
+                na.dot(node.half) + slack,
+                ma.dot(node.half) + slack,
+                ra.dot(node.half) + slack,
+            ];
+            let mut reach = [f32::INFINITY, f32::NEG_INFINITY];
+            for lane in &lanes {
+                let (cut, from, to) = lane.cut(c, h, slack);
+                if !cut.any() {
+                    continue;
+                }
+                let (from, to, cut) = (from.to_array(), to.to_array(), cut.bitmask());
+                for i in 0..lane.count {
+                    if cut & (1 << i) == 0 {
+                        continue;
+                    }
+                    let (a, b) = (
+                        f64::from(from[i]).max(span[0]),
+                        f64::from(to[i]).min(span[1]),
+                    );
+                    if a < b && !holds(&dark[lane.first + i], a, b) {
+                        reach = [reach[0].min(from[i]), reach[1].max(to[i])];
+                    }
+                }
+            }
+            (reach[0] < reach[1]).then_some(reach)
         };
-        let nodes = &self.geometry.planes.nodes;
-        let mut stack = Vec::with_capacity(64);
-        stack.push(0u32);
-        while let Some(top) = stack.pop() {
-            if !cut(top as usize) {
+        let nodes = &geometry.nodes;
+        let mut stack: Vec<(u32, [f32; 2])> = Vec::with_capacity(64);
+        stack.extend(reach(&nodes[0], &self.dark).map(|reach| (0, reach)));
+        while let Some((top, [from, to])) = stack.pop() {
+            // What was worth a look when it was pushed may be dark by now.
+            let (from, to) = (f64::from(from).max(span[0]), f64::from(to).min(span[1]));
+            if self.dark.iter().all(|runs| holds(runs, from, to)) {
                 continue;
             }
             let node = &nodes[top as usize];
-            if node.prim_count == 0 {
-                stack.push(node.first_index);
-                stack.push(node.first_index + 1);
+            if node.count > 0 {
+                for index in node.first..node.first + node.count {
+                    self.triangle(index as usize);
+                }
                 continue;
             }
-            for slot in node.first_index..node.first_index + node.prim_count {
-                let index = self.geometry.planes.primitive_indices[slot as usize] as usize;
-                self.triangle(index, &mut found);
+            let children = [node.first, node.first + 1];
+            let reaches = children.map(|child| reach(&nodes[child as usize], &self.dark));
+            // The child that may darken most comes first, so last onto the stack.
+            let length = |i: usize| reaches[i].map_or(0.0, |[from, to]| to - from);
+            let order = if length(0) > length(1) {
+                [1, 0]
+            } else {
+                [0, 1]
+            };
+            for i in order {
+                stack.extend(reaches[i].map(|reach| (children[i], reach)));
             }
         }
     }
 
-    /// The run of the ray that one triangle darkens, for each half-plane that cuts it.
-    fn triangle(&self, index: usize, found: &mut impl FnMut(usize, Run)) {
-        let [n, m, r] = self.frame;
-        let points = self.geometry.corners[index].map(|p| {
-            let p = p - self.base;
-            [p.dot(n), p.dot(m), p.dot(r)]
-        });
-        let cut_out = self.geometry.cut_outs[index].as_ref();
+    /// Darkens the run of the ray that one triangle shades, for each half-plane that cuts it.
+    fn triangle(&mut self, index: usize) {
+        let [p, q, s] = &self.geometry.corners[index];
+        let to_frame = |p: &DVec3| self.to_frame * (*p - self.base);
+        let points = [to_frame(p), to_frame(q), to_frame(s)];
         for (k, plane) in self.planes.iter().enumerate() {
-            let side = points.map(|[x, y, _]| plane.cos * x - plane.sin * y);
-            let below = side.map(|s| s < 0.0);
-            if below[0] == below[1] && below[1] == below[2] {
+            let side = |p: &DVec3| plane.cos * p.x - plane.sin * p.y;
+            let side = [side(&points[0]), side(&points[1]), side(&points[2])];
+            let below = [side[0] < 0.0, side[1] < 0.0, side[2] < 0.0];
+            // The corner that lies alone on its side of the half-plane; its two edges are cut.
+            let alone = match below {
+                [a, b, c] if a == b && b == c => continue,
+                [a, b, _] if a == b => 2,
+                [a, _, c] if a == c => 1,
+                _ => 0,
+            };
+            // Where all that the triangle can shade is dark already there is nothing to do. A corner at height y shades
+            // the place z - y cot; where the ray's own height cuts the triangle, the place lies between the corners' z.
+            let height = |p: &DVec3| plane.cos * p.y + plane.sin * p.x;
+            let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+            let mut under = false;
+            for p in &points {
+                let y = height(p);
+                under |= y < 0.0;
+                let shaded = p.z - y.max(0.0) * plane.cot;
+                (from, to) = (from.min(shaded), to.max(shaded));
+            }
+            if under {
+                for p in &points {
+                    (from, to) = (from.min(p.z), to.max(p.z));
+                }
+            }
+            let (from, to) = (from.max(self.span[0]), to.min(self.span[1]));
+            if from >= to || holds(&self.dark[k], from, to) {
                 continue;
             }
-            let mut ends = [End::default(); 2];
-            let mut count = 0;
-            for i in 0..3 {
-                let j = (i + 1) % 3;
-                if below[i] == below[j] {
-                    continue;
-                }
+            let cut = |other: usize| {
                 // From the lower to the upper side, so that both triangles of an edge find the same point.
-                let (lower, upper) = if below[i] { (i, j) } else { (j, i) };
-                let f = side[lower] / (side[lower] - side[upper]);
-                let mix = |a: f64, b: f64| a + f * (b - a);
-                let height = |p: [f64; 3]| plane.cos * p[1] + plane.sin * p[0];
-                ends[count] = End {
-                    y: mix(height(points[lower]), height(points[upper])),
-                    z: mix(points[lower][2], points[upper][2]),
-                    uv: cut_out.map_or(DVec2::ZERO, |c| c.uvs[lower].lerp(c.uvs[upper], f)),
+                let (lower, upper) = if below[alone] {
+                    (alone, other)
+                } else {
+                    (other, alone)
                 };
-                count += 1;
-            }
-            let [mut a, mut b] = ends;
+                let f = side[lower] / (side[lower] - side[upper]);
+                let (p, q) = (&points[lower], &points[upper]);
+                let mix = |a: f64, b: f64| a + f * (b - a);
+                End {
+                    y: mix(height(p), height(q)),
+                    z: mix(p.z, q.z),
+                    edge: (lower, upper, f),
+                }
+            };
+            let a = cut(if alone == 0 { 1 } else { 0 });
+            let b = cut(if alone == 2 { 1 } else { 2 });
             if a.y < 0.0 && b.y < 0.0 {
                 continue;
             }
-            // Only what stands on the sun's side of the ray shades it.
-            if a.y < 0.0 {
-                a = a.raised(&b);
-            } else if b.y < 0.0 {
-                b = b.raised(&a);
-            }
-            let (ta, tb) = (a.z - a.y * plane.cot, b.z - b.y * plane.cot);
-            match cut_out {
-                None => found(k, [ta.min(tb), ta.max(tb)]),
-                Some(cut) => self.solid_parts(cut, a.uv, b.uv, |f, g| {
-                    let (t, u) = (ta + f * (tb - ta), ta + g * (tb - ta));
-                    found(k, [t.min(u), t.max(u)]);
-                }),
+            // Only what stands on the sun's side of the ray shades it: the part f to g of the line from a to b.
+            let crossing = || a.y / (a.y - b.y);
+            let f = if a.y < 0.0 { crossing() } else { 0.0 };
+            let g = if b.y < 0.0 { crossing() } else { 1.0 };
+            let at = |f: f64| {
+                let y = (a.y + f * (b.y - a.y)).max(0.0);
+                a.z + f * (b.z - a.z) - y * plane.cot
+            };
+            let (from, to) = (at(f), at(g));
+            match &self.geometry.cut_outs[index] {
+                None => darken(&mut self.dark[k], from, to, self.span, self.together),
+                Some(cut) => {
+                    let uv = |end: &End| {
+                        let (lower, upper, f) = end.edge;
+                        cut.uvs[lower].lerp(cut.uvs[upper], f)
+                    };
+                    let (first, last) = (uv(&a), uv(&b));
+                    let (first, last) = (first.lerp(last, f), first.lerp(last, g));
+                    solid_parts(self.geometry, cut, first, last, |p, q| {
+                        let mix = |f: f64| from + f * (to - from);
+                        darken(&mut self.dark[k], mix(p), mix(q), self.span, self.together);
+                    });
+                }
             }
         }
     }
+}
 
-    /// The parts of a straight line over a texture on which it is solid, as fractions of the line, texel by texel.
-    fn solid_parts(&self, cut: &CutOut, from: DVec2, to: DVec2, mut found: impl FnMut(f64, f64)) {
-        let size = self.geometry.texture_size(cut);
-        let mut borders = vec![0.0, 1.0];
-        for axis in 0..2 {
-            let (a, b) = (from[axis] * size[axis], to[axis] * size[axis]);
-            let (low, high) = (a.min(b), a.max(b));
-            let mut border = low.floor() + 1.0;
-            while border < high {
-                borders.push((border - a) / (b - a));
-                border += 1.0;
-            }
+/// Adds what one triangle darkens, from one place of the ray to another.
+fn darken(dark: &mut Vec<Run>, a: f64, b: f64, span: Run, together: f64) {
+    let run = [a.min(b).max(span[0]), a.max(b).min(span[1])];
+    if run[1] > run[0] {
+        insert(dark, run, together);
+    }
+}
+
+/// The parts of a straight line over a texture on which it is solid, as fractions of the line, texel by texel.
+fn solid_parts(
+    geometry: &Geometry,
+    cut: &CutOut,
+    from: DVec2,
+    to: DVec2,
+    mut found: impl FnMut(f64, f64),
+) {
+    let size = geometry.texture_size(cut);
+    let mut borders = vec![0.0, 1.0];
+    for axis in 0..2 {
+        let (a, b) = (from[axis] * size[axis], to[axis] * size[axis]);
+        let (low, high) = (a.min(b), a.max(b));
+        let mut border = low.floor() + 1.0;
+        while border < high {
+            borders.push((border - a) / (b - a));
+            border += 1.0;
         }
-        borders.sort_unstable_by(f64::total_cmp);
-        for pair in borders.windows(2) {
-            let middle = 0.5 * (pair[0] + pair[1]);
-            if pair[1] > pair[0] && self.geometry.opaque(cut, from.lerp(to, middle)) {
-                found(pair[0], pair[1]);
-            }
+    }
+    borders.sort_unstable_by(f64::total_cmp);
+    for pair in borders.windows(2) {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        if pair[1] > pair[0] && geometry.opaque(cut, from.lerp(to, middle)) {
+            found(pair[0], pair[1]);
         }
     }
 }
 
 /// An end of the line in which a half-plane cuts a triangle.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct End {
     /// Height above the ray.
     y: f64,
     /// Place along the ray.
     z: f64,
-    uv: DVec2,
-}
-
-impl End {
-    /// The point at height 0 on the way to an end that is above it.
-    fn raised(&self, other: &End) -> End {
-        let f = self.y / (self.y - other.y);
-        End {
-            y: 0.0,
-            z: self.z + f * (other.z - self.z),
-            uv: self.uv.lerp(other.uv, f),
-        }
-    }
+    /// The edge that is cut, from corner to corner, and how far along.
+    edge: (usize, usize, f64),
 }
 
 #[cfg(test)]
@@ -293,8 +402,11 @@ mod tests {
 
     #[test]
     fn touching_runs_become_one_and_the_rest_is_lit() {
-        let mut runs = vec![[5.0, 6.0], [1.0, 2.0], [2.0, 3.0], [1.5, 1.6]];
-        merge(&mut runs, 0.0);
+        let mut runs = Vec::new();
+        for run in [[5.0, 6.0], [1.0, 2.0], [2.0, 3.0], [1.5, 1.6]] {
+            insert(&mut runs, run, 0.0);
+        }
+        assert!(holds(&runs, 1.2, 2.5) && !holds(&runs, 2.5, 5.5) && !holds(&runs, 0.5, 0.7));
         assert_eq!(runs, [[1.0, 3.0], [5.0, 6.0]]);
         let lit: Vec<Run> = complement(&runs, 6.0).collect();
         assert_eq!(lit, [[0.0, 1.0], [3.0, 5.0]]);

@@ -8,7 +8,7 @@
 use super::{AlphaMode, Ray, Scene, Texture, Wrap};
 use glam::{DVec2, DVec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::{Ray as BoxRay, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
@@ -38,7 +38,7 @@ pub struct Geometry {
     pub(super) cut_outs: Vec<Option<CutOut>>,
     textures: Vec<AlphaMap>,
     rays: CwBvh,
-    pub(super) planes: Bvh2,
+    pub(super) nodes: Vec<Node>,
     /// Diagonal of the bounds [m].
     pub(super) extent: f64,
     /// Box units in a metre, a power of two: see [`BOX_EXTENT`].
@@ -48,6 +48,18 @@ pub struct Geometry {
 /// Boxes are scaled so that the bounds' diagonal is 1 to 2 times this: the box test of the library takes no distance below
 /// 1e-4 for a hit, which must be less than the boxes are inflated by, whatever the scene's unit of length.
 const BOX_EXTENT: f64 = 1024.0;
+
+/// A bounding volume for the curtain's search.
+#[derive(Clone, Copy)]
+pub(super) struct Node {
+    /// Middle and half diagonal [m].
+    pub middle: Vec3A,
+    pub half: Vec3A,
+    /// A leaf's first triangle, or the first of two children.
+    pub first: u32,
+    /// Triangles of a leaf; 0 in an inner node.
+    pub count: u32,
+}
 
 /// A triangle with holes where its texture's alpha is below the cutoff.
 #[derive(Debug, Clone, Copy)]
@@ -109,19 +121,40 @@ impl Geometry {
             _ => 1.0,
         };
         let margin = (4.0 * f64::from(f32::EPSILON) * extent * scale) as f32;
-        let boxes: Vec<Inflated> = corners
+        let inflate = |triangle: &[DVec3; 3]| {
+            let [a, b, c] = triangle.map(|p| (scale * p).as_vec3a());
+            Inflated(Aabb {
+                min: a.min(b).min(c) - margin,
+                max: a.max(b).max(c) + margin,
+            })
+        };
+        let boxes = |corners: &[[DVec3; 3]]| corners.iter().map(inflate).collect::<Vec<_>>();
+        let mut time = Duration::default();
+        let planes = build_bvh2(&boxes(&corners), BvhBuildParams::medium_build(), &mut time);
+        // In the order of the leaves, so that what is looked at together lies together.
+        let order: Vec<usize> = planes
+            .primitive_indices
             .iter()
-            .map(|triangle: &[DVec3; 3]| {
-                let [a, b, c] = triangle.map(|p| (scale * p).as_vec3a());
-                Inflated(Aabb {
-                    min: a.min(b).min(c) - margin,
-                    max: a.max(b).max(c) + margin,
-                })
+            .map(|i| *i as usize)
+            .collect();
+        let corners: Vec<_> = order.iter().map(|i| corners[*i]).collect();
+        let scene_triangle: Vec<_> = order.iter().map(|i| scene_triangle[*i]).collect();
+        let cut_outs: Vec<_> = order.iter().map(|i| cut_outs[*i]).collect();
+        let rays = build_cwbvh(&boxes(&corners), BvhBuildParams::medium_build(), &mut time);
+        let nodes = planes
+            .nodes
+            .iter()
+            .map(|node| {
+                // Division by a power of two: exact.
+                let half = (0.5 / scale) as f32;
+                Node {
+                    middle: half * (node.aabb.min + node.aabb.max),
+                    half: half * (node.aabb.max - node.aabb.min),
+                    first: node.first_index,
+                    count: node.prim_count,
+                }
             })
             .collect();
-        let mut time = Duration::default();
-        let rays = build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut time);
-        let planes = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut time);
         Geometry {
             origin,
             min: min - origin,
@@ -131,7 +164,7 @@ impl Geometry {
             cut_outs,
             textures: scene.textures.iter().map(AlphaMap::new).collect(),
             rays,
-            planes,
+            nodes,
             extent,
             scale,
         }
@@ -264,14 +297,6 @@ impl Geometry {
     pub(super) fn texture_size(&self, cut: &CutOut) -> DVec2 {
         let [w, h] = self.textures[cut.texture].size;
         DVec2::new(f64::from(w), f64::from(h))
-    }
-
-    /// Middle and half diagonal [m] of a bounding volume.
-    pub(super) fn node_box(&self, node: usize) -> (Vec3A, Vec3A) {
-        let aabb = &self.planes.nodes[node].aabb;
-        // Division by a power of two: exact.
-        let half = (0.5 / self.scale) as f32;
-        (half * (aabb.min + aabb.max), half * (aabb.max - aabb.min))
     }
 }
 
