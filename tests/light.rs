@@ -300,7 +300,7 @@ fn a_white_convex_body_in_a_white_furnace_neither_gains_nor_loses() {
     );
     scene.materials = vec![material(1.0)];
     scene.sky = SkyEntry {
-        model: Some("cie:5".into()),
+        model: Some("uniform:5000".into()),
         ..SkyEntry::default()
     };
     scene.ground.enabled = true;

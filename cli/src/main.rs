@@ -3,8 +3,12 @@
 mod completions;
 mod doctor;
 mod place_time;
+mod render;
+mod scene_args;
+mod schema;
 mod stdout;
 mod sun;
+mod tell;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -19,17 +23,21 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Render(render::RenderArgs),
     /// Sun position, rise, set, noon and twilights
     Sun(sun::SunArgs),
     Doctor(doctor::DoctorArgs),
+    Schema(schema::SchemaArgs),
     Completions(completions::CompletionsArgs),
     Man(completions::ManArgs),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
         Command::Sun(args) => sun::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::man(&args, Cli::command()),
     };

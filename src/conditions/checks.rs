@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::medium::{Medium, Phase, Shape};
-use crate::scene::{Camera, Projection};
+use crate::scene::{Camera, Ground, Projection, SunEntry};
 use crate::units::DEG;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -108,4 +108,99 @@ pub(super) fn camera(camera: &Camera) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Checks the picture's size and samples.
+pub(super) fn picture(size: [u32; 2], samples: u32) -> Result<()> {
+    if size.contains(&0) || size.iter().any(|s| *s > 65_536) {
+        return Err(Error::domain(
+            "the picture's size",
+            format!("{} x {} pixels", size[0], size[1]),
+            "1 to 65536 on each side",
+            "give --size WIDTHxHEIGHT",
+        ));
+    }
+    if !(1..=4096).contains(&samples) {
+        return Err(Error::domain(
+            "samples",
+            samples,
+            "1 to 4096",
+            "8 is usual, 64 is fine",
+        ));
+    }
+    Ok(())
+}
+
+/// Checks the ground.
+pub(super) fn ground(ground: &Ground, height: f64) -> Result<()> {
+    if !height.is_finite() {
+        return Err(Error::domain(
+            "the ground's height",
+            format!("{height} m"),
+            "any finite height",
+            "leave it out for the scene's lowest point",
+        ));
+    }
+    if !(0.0..=1.0).contains(&ground.albedo) {
+        return Err(Error::domain(
+            "the ground's albedo",
+            ground.albedo,
+            "0 to 1",
+            "0.2 is usual, fresh snow is 0.8",
+        ));
+    }
+    Ok(())
+}
+
+/// Checks a sun that the user put somewhere.
+pub(super) fn sun(entry: &SunEntry) -> Result<()> {
+    let within = |name: &str, value: f64, low: f64, high: f64, unit: &str, remedy: &str| {
+        if (low..=high).contains(&value) {
+            Ok(())
+        } else {
+            Err(Error::domain(
+                name,
+                format!("{value} {unit}"),
+                format!("{low} to {high} {unit}"),
+                remedy,
+            ))
+        }
+    };
+    within(
+        "the sun's azimuth",
+        entry.azimuth_deg,
+        -3600.0,
+        3600.0,
+        "degrees",
+        "give it from north through east",
+    )?;
+    within(
+        "the sun's elevation",
+        entry.elevation_deg,
+        -90.0,
+        90.0,
+        "degrees",
+        "give it above the horizon",
+    )?;
+    if let Some(diameter) = entry.diameter_deg {
+        within(
+            "the sun's diameter",
+            diameter,
+            0.0,
+            90.0,
+            "degrees",
+            "the real one is 0.533, a point is 0",
+        )?;
+    }
+    if let Some(illuminance) = entry.illuminance {
+        within(
+            "the sun's illuminance",
+            illuminance,
+            0.0,
+            1e9,
+            "lx",
+            "the real one gives up to 1.3e5",
+        )?;
+    }
+    Ok(())
 }

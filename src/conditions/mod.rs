@@ -4,9 +4,10 @@
 
 mod assemble;
 mod checks;
+mod lines;
 mod sun;
 
-pub use assemble::{CameraChoice, Request};
+pub use assemble::{CameraChoice, DEFAULT_TURBIDITY, Instant, Request};
 pub use sun::{Sun, SunPoint};
 
 use crate::colour::luminance;
@@ -24,6 +25,8 @@ pub struct Conditions {
     pub geometry: Geometry,
     /// The camera.
     pub camera: Camera,
+    /// Where the camera comes from, in words; empty when nobody chose it and it frames the bounds.
+    pub camera_chosen: String,
     /// Width and height of the picture [pixels].
     pub size: [u32; 2],
     /// Rays through pixels that differ from their neighbours; 1: one through each centre.
@@ -32,10 +35,14 @@ pub struct Conditions {
     pub sun: Sun,
     /// The sky, if there is one.
     pub sky: Option<Sky>,
+    /// Place and time, unless the user put the sun where it is.
+    pub instant: Option<Instant>,
     /// The endless ground, if there is one.
     pub ground: Option<GroundPlane>,
     /// The media.
     pub air: Air,
+    /// What was left out, is doubtful or approximate, one sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// The endless plane below everything.
