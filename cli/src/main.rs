@@ -3,6 +3,7 @@
 mod completions;
 mod doctor;
 mod place_time;
+mod plan;
 mod render;
 mod scene_args;
 mod schema;
@@ -24,6 +25,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Plan(plan::PlanCommand),
     /// Sun position, rise, set, noon and twilights
     Sun(sun::SunArgs),
     Doctor(doctor::DoctorArgs),
@@ -35,6 +37,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Sun(args) => sun::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Schema(args) => schema::run(&args),

@@ -1,9 +1,12 @@
 //! Sky light on surfaces: an estimate, from the share of the sky that points of each surface see.
 //!
 //! On a lattice over each triangle that the picture shows, and on a grid on the ground, rays spread by the cosine law find what
-//! part of the sky is visible; in between, the irradiance is interpolated. E = pi / N sum L_sky(w) V(w) e^-tau(w). The ground
-//! is seen as if it lay open to the sky (without the shadows of what stands on it). Light that surfaces reflect to each other
-//! is missing, so interiors come out darker than they are.
+//! part of the sky is visible; in between, the irradiance is interpolated. E = pi / N sum L_sky(w) V(w) e^-tau(w). The
+//! directions are the centres of equal cells of the hemisphere; a cell that a neighbour disagrees with about seeing the light
+//! is divided into sixteen, so that the outline of a window counts more finely than its inside, and where little light is
+//! found all cells are smaller. The ground is seen as if it
+//! lay open to the sky (without the shadows of what stands on it). Light that surfaces reflect to each other is missing, so
+//! interiors come out darker than they are.
 //!
 //! A convex white body under a uniform sky on a white ground neither gains nor loses: E = pi L everywhere.
 
@@ -22,12 +25,13 @@ pub const SURFACE_SKY: Effect = Effect {
     summary: "sky light reflected by surfaces (estimate: visible share of the sky)",
     reads: &[Field::Surface],
     writes: &[Field::Sky],
+    remembers: true,
     knobs: &[
         Knob {
             name: "rays",
-            meaning: "rays from each lattice point",
-            values: [24.0, 48.0, 96.0, 256.0],
-            range: [1.0, 65536.0],
+            meaning: "rays from each lattice point, before outlines are refined",
+            values: [64.0, 144.0, 256.0, 1024.0],
+            range: [4.0, 65536.0],
         },
         Knob {
             name: "spacing",
@@ -69,8 +73,8 @@ pub const SURFACE_SKY: Effect = Effect {
 struct SkyShare<'a> {
     conditions: &'a Conditions,
     sky: &'a Sky,
-    /// Directions around +Z, spread by the cosine law.
-    directions: Vec<DVec3>,
+    /// Cells of the hemisphere along each side of the square that is mapped to it.
+    cells: usize,
     spacing: f64,
     /// One lattice for each side of each triangle of the scene.
     lattices: Vec<OnceLock<Lattice>>,
@@ -95,14 +99,6 @@ const GRID: usize = 192;
 
 impl<'a> SkyShare<'a> {
     fn new(conditions: &'a Conditions, sky: &'a Sky, rays: usize, spacing: f64) -> Self {
-        let golden = PI * (3.0 - 5.0f64.sqrt());
-        let directions = (0..rays)
-            .map(|i| {
-                let r2 = (i as f64 + 0.5) / rays as f64;
-                let (sin, cos) = (i as f64 * golden).sin_cos();
-                DVec3::new(r2.sqrt() * cos, r2.sqrt() * sin, (1.0 - r2).sqrt())
-            })
-            .collect();
         let (min, max) = conditions.geometry.bounds();
         let extent = conditions.geometry.extent();
         let cell = 3.0 * extent / GRID as f64;
@@ -110,7 +106,7 @@ impl<'a> SkyShare<'a> {
         SkyShare {
             conditions,
             sky,
-            directions,
+            cells: (rays as f64).sqrt().round().max(2.0) as usize,
             spacing,
             lattices: std::iter::repeat_with(OnceLock::new)
                 .take(2 * conditions.scene.mesh.triangles.len())
@@ -215,31 +211,83 @@ impl<'a> SkyShare<'a> {
     fn gather(&self, point: DVec3, normal: DVec3, facet: DVec3, occluded: bool) -> DVec3 {
         let near = clearance(self.conditions, point);
         let origin = point + 1e3 * near * facet;
-        let tangent = normal.any_orthonormal_vector();
-        let bitangent = normal.cross(tangent);
-        let air = &self.conditions.air;
-        let mut sum = DVec3::ZERO;
-        for d in &self.directions {
+        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        let look = |x: f64, y: f64| {
+            let d = cosine_law(x, y);
             let direction = tangent * d.x + bitangent * d.y + normal * d.z;
+            let radiance = self.open_radiance(point, direction);
             let ray = Ray { origin, direction };
-            let radiance = if direction.y >= 0.0 {
-                let depth = air.sun_optical_depth(point, direction);
-                self.sky.radiance(direction) * (-depth).exp()
-            } else if let Some(ground) = &self.conditions.ground
-                && point.y >= ground.height
-            {
+            let hidden = radiance == DVec3::ZERO
+                || occluded && self.conditions.geometry.occluded(&ray, 0.0, f64::INFINITY);
+            if hidden { DVec3::ZERO } else { radiance }
+        };
+        let cells = |n: usize| -> Vec<DVec3> {
+            let at = |i: usize| (i as f64 + 0.5) / n as f64;
+            (0..n * n).map(|k| look(at(k % n), at(k / n))).collect()
+        };
+        let mut n = self.cells;
+        let mut coarse = cells(n);
+        // Where little light is found, windows are smaller than cells, and many may have been missed.
+        if occluded && 16 * coarse.iter().filter(|c| **c != DVec3::ZERO).count() < coarse.len() {
+            n *= 4;
+            coarse = cells(n);
+        }
+        let lit = |i: usize, j: usize| coarse[j * n + i] != DVec3::ZERO;
+        let mut sum = DVec3::ZERO;
+        for j in 0..n {
+            for i in 0..n {
+                let here = lit(i, j);
+                let outline = i > 0 && lit(i - 1, j) != here
+                    || i + 1 < n && lit(i + 1, j) != here
+                    || j > 0 && lit(i, j - 1) != here
+                    || j + 1 < n && lit(i, j + 1) != here;
+                sum += if outline {
+                    let fine = |k: usize, m: usize| (k as f64 + (m as f64 + 0.5) / 4.0) / n as f64;
+                    (0..16)
+                        .map(|m| look(fine(i, m % 4), fine(j, m / 4)))
+                        .sum::<DVec3>()
+                        / 16.0
+                } else {
+                    coarse[j * n + i]
+                };
+            }
+        }
+        sum * PI / (n * n) as f64
+    }
+
+    /// What comes from a direction if nothing stands there: the sky, or the ground that it lights.
+    fn open_radiance(&self, point: DVec3, direction: DVec3) -> DVec3 {
+        let air = &self.conditions.air;
+        if direction.y >= 0.0 {
+            let depth = air.sun_optical_depth(point, direction);
+            return self.sky.radiance(direction) * (-depth).exp();
+        }
+        match &self.conditions.ground {
+            Some(ground) if point.y >= ground.height => {
                 let distance = (point.y - ground.height) / -direction.y;
                 self.ground_radiance * (-air.optical_depth(point, direction, distance)).exp()
-            } else {
-                DVec3::ZERO
-            };
-            if radiance == DVec3::ZERO
-                || occluded && self.conditions.geometry.occluded(&ray, 0.0, f64::INFINITY)
-            {
-                continue;
             }
-            sum += radiance;
+            _ => DVec3::ZERO,
         }
-        sum * PI / self.directions.len() as f64
     }
+}
+
+/// The direction around +Z of a point of the unit square, equal areas for equal shares of cos(theta) dw: the concentric map
+/// of Shirley & Chiu 1997 onto the disc, raised to the hemisphere.
+fn cosine_law(x: f64, y: f64) -> DVec3 {
+    let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return DVec3::Z;
+    }
+    let (radius, angle) = if a.abs() > b.abs() {
+        (a, PI / 4.0 * (b / a))
+    } else {
+        (b, PI / 2.0 - PI / 4.0 * (a / b))
+    };
+    let (sin, cos) = angle.sin_cos();
+    DVec3::new(
+        radius * cos,
+        radius * sin,
+        (1.0 - radius * radius).max(0.0).sqrt(),
+    )
 }
