@@ -10,9 +10,9 @@ use std::process::ExitCode;
 
 /// Name, base colour (linear Rec. 709), texture, metres that the texture covers.
 const MATERIALS: [(&str, [f64; 3], Option<usize>, f64); 6] = [
-    ("limestone", [0.80, 0.78, 0.74], Some(0), 4.0),
-    ("vault", [0.90, 0.89, 0.86], Some(0), 4.0),
-    ("floor", [0.72, 0.70, 0.68], Some(1), 4.8),
+    ("limestone", [0.86, 0.76, 0.62], Some(0), 4.0),
+    ("vault", [0.92, 0.86, 0.76], Some(0), 4.0),
+    ("floor", [0.80, 0.70, 0.58], Some(1), 4.8),
     ("oak", [0.16, 0.085, 0.045], None, 1.0),
     ("slate", [0.10, 0.10, 0.11], None, 1.0),
     ("wool", [0.075, 0.028, 0.024], None, 1.0),
@@ -146,11 +146,11 @@ fn glb() -> Vec<u8> {
         nodes.push(json!({"name": format!("pillars {}", i + 1), "mesh": 1, "translation": [0, 0, -nave::BAY * i as f64]}));
     }
     for row in 0..13 {
-        for x in [-2.45, 2.45] {
+        for x in [-2.75, 2.75] {
             nodes.push(json!({"name": "bench", "mesh": 4, "translation": [x, 0, -9.5 - 1.15 * f64::from(row)]}));
         }
     }
-    nodes.push(json!({"name": "visitor", "mesh": 5, "translation": [-0.35, 0, -13.2]}));
+    nodes.push(json!({"name": "visitor", "mesh": 5, "translation": [0.8, 0, -14.2]}));
 
     let images: Vec<Value> = [("ashlar", texture::ashlar()), ("slabs", texture::slabs())]
         .into_iter()

@@ -113,19 +113,23 @@ impl Mesh {
 
     /// A surface of revolution about the vertical through `foot`; `profile` is (radius, height) from below.
     pub fn lathe(&mut self, foot: DVec3, profile: &[DVec2], segments: usize) {
-        self.turned(foot, segments, profile.len(), |row, _| profile[row]);
+        self.turned(foot, [0.0, TAU], segments, profile.len(), |row, _| {
+            profile[row]
+        });
     }
 
-    /// Rings of `radius_and_height(row, angle)` about the vertical through `foot`, joined.
+    /// Rings of `radius_and_height(row, angle)` about the vertical through `foot`, joined, from one angle to another;
+    /// angle 0 is +X, a quarter turn -Z.
     pub fn turned(
         &mut self,
         foot: DVec3,
+        arc: [f64; 2],
         segments: usize,
         rows: usize,
         radius_and_height: impl Fn(usize, f64) -> DVec2,
     ) {
         let point = |row: usize, i: usize| {
-            let angle = TAU * i as f64 / segments as f64;
+            let angle = arc[0] + (arc[1] - arc[0]) * i as f64 / segments as f64;
             let p = radius_and_height(row, angle);
             (
                 foot + DVec3::new(p.x * angle.cos(), p.y, -p.x * angle.sin()),
@@ -319,9 +323,14 @@ impl Outline {
     }
 }
 
+/// The index of the end of that piece of a line which `x` is in.
+fn segment(line: &[DVec2], x: f64) -> usize {
+    line.partition_point(|p| p.x < x).clamp(1, line.len() - 1)
+}
+
 /// The height of a line at `x`.
 fn height(line: &[DVec2], x: f64) -> f64 {
-    let i = line.partition_point(|p| p.x < x).clamp(1, line.len() - 1);
+    let i = segment(line, x);
     let (a, b) = (line[i - 1], line[i]);
     if (x - a.x).abs() < 1e-12 {
         a.y
@@ -364,6 +373,17 @@ impl Frame {
             .collect();
         stops.sort_by(f64::total_cmp);
         stops.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        // Between two stops the region is a stack of quads; a quad goes on while neither of its lines bends.
+        type Piece<'a> = (&'a [DVec2], usize);
+        let mut open: Vec<([Piece; 2], f64)> = Vec::new();
+        let mut close = |[low, high]: [Piece; 2], from: f64, to: f64| {
+            let mut corners = [(low, from), (low, to), (high, to), (high, from)]
+                .map(|((line, _), x)| self.at(DVec2::new(x, height(line, x)), depth));
+            if area_vector(&corners).dot(self.depth * outward) < 0.0 {
+                corners.reverse();
+            }
+            mesh.polygon(&corners);
+        };
         for stop in stops.windows(2) {
             let middle = (stop[0] + stop[1]) / 2.0;
             let mut lines: Vec<&[DVec2]> = shapes
@@ -372,24 +392,34 @@ impl Frame {
                 .flat_map(|s| [&s.lower[..], &s.upper[..]])
                 .collect();
             lines.sort_by(|a, b| height(a, middle).total_cmp(&height(b, middle)));
-            for pair in lines.chunks_exact(2) {
-                let corners = [
-                    (pair[0], stop[0]),
-                    (pair[0], stop[1]),
-                    (pair[1], stop[1]),
-                    (pair[1], stop[0]),
-                ]
-                .map(|(line, x)| self.at(DVec2::new(x, height(line, x)), depth));
-                let mut corners = corners.to_vec();
-                if area_vector(&corners).dot(self.depth * outward) < 0.0 {
-                    corners.reverse();
+            let piece = |line| (line, segment(line, middle));
+            let quads: Vec<[Piece; 2]> = lines
+                .chunks_exact(2)
+                .map(|pair| [piece(pair[0]), piece(pair[1])])
+                .collect();
+            let same = |a: &[Piece; 2], b: &[Piece; 2]| {
+                (0..2).all(|k| std::ptr::eq(a[k].0, b[k].0) && a[k].1 == b[k].1)
+            };
+            open.retain(|(quad, from)| {
+                let goes_on = quads.iter().any(|q| same(q, quad));
+                if !goes_on {
+                    close(*quad, *from, stop[0]);
                 }
-                mesh.polygon(&corners);
+                goes_on
+            });
+            for quad in quads {
+                if !open.iter().any(|(q, _)| same(q, &quad)) {
+                    open.push((quad, stop[0]));
+                }
             }
+        }
+        for (quad, from) in open {
+            close(quad, from, stops[stops.len() - 1]);
         }
     }
 
-    /// The inner side of a hole, from one outline at one depth to another with as many points.
+    /// The inner side of a hole, from one outline at one depth to another with as many points. An arch that springs
+    /// from its own lower line has no sill.
     pub fn reveal(&self, mesh: &mut Mesh, a: (&Outline, f64), b: (&Outline, f64)) {
         let (from, to) = (a.0.around(), b.0.around());
         let center = self.at(
@@ -412,13 +442,18 @@ impl Frame {
                 DVec2::new(b.1, next),
                 DVec2::new(b.1, along),
             ];
+            let sill = i == 0 && a.0.lower.len() == 2 && a.0.lower[0] == a.0.upper[0];
+            if sill {
+                along = next;
+                continue;
+            }
             let toward = center - corners.iter().sum::<DVec3>() / 4.0;
             mesh.quad_toward(corners, uvs, toward);
             along = next;
         }
     }
 
-    /// A plate with holes between two depths.
+    /// A slab with holes between two depths.
     pub fn plate(
         &self,
         mesh: &mut Mesh,

@@ -27,6 +27,9 @@ const LENGTH: f64 = BAY * BAYS as f64;
 const NAVE: f64 = 4.5;
 /// Thickness of walls.
 const WALL: f64 = 1.2;
+/// Thickness of the clerestory's wall, above the aisle's roof.
+const CLERESTORY: f64 = 0.6;
+const LEDGE: f64 = 8.2;
 /// The aisles' outer walls, inner face.
 const AISLE: f64 = 9.0;
 /// Tops of the capitals: arcade arches and aisle vaults spring here.
@@ -37,6 +40,9 @@ const RISE: f64 = 5.2;
 const EAVES: f64 = 16.6;
 const AISLE_EAVES: f64 = 7.3;
 const FOOTING: f64 = -0.2;
+
+/// Facets of a pillar.
+const ROUND: usize = 16;
 
 const WHITE: DVec3 = DVec3::ONE;
 
@@ -81,7 +87,10 @@ pub fn bay() -> Mesh {
     mesh.material = ROOF;
     for side in [1.0, -1.0] {
         for (inner, outer) in [
-            (dvec2(0.0, 20.5), dvec2(NAVE + WALL + 0.4, EAVES - 0.1)),
+            (
+                dvec2(0.0, 20.3),
+                dvec2(NAVE + CLERESTORY + 0.4, EAVES - 0.3),
+            ),
             (
                 dvec2(NAVE + WALL - 0.02, 8.15),
                 dvec2(AISLE + WALL + 0.3, AISLE_EAVES - 0.05),
@@ -104,13 +113,27 @@ pub fn bay() -> Mesh {
 fn arcade_and_clerestory(mesh: &mut Mesh, frame: Frame, half: f64) {
     mesh.material = STONE;
     mesh.color = WHITE;
-    let arch = |w: f64| Outline::arch(0.0, w, CAPITAL, CAPITAL, 0.45, 7);
+    let arch = |w: f64| Outline::arch(0.0, w, CAPITAL, CAPITAL, 0.45, 6);
     let (inner_order, outer_order) = (arch(1.72), arch(2.0));
-    let window = |w: f64, sill: f64| Outline::arch(0.0, w, sill, 11.1, 0.56, 6);
-    let (splay, light) = (window(1.4, 8.05), window(1.12, 8.5));
+    let window = |w: f64, sill: f64| Outline::arch(0.0, w, sill, 11.3, 0.3, 4);
+    let (splay, light) = (window(0.95, 8.6), window(0.55, 9.6));
     let wall = Outline::rectangle(-half, half, CAPITAL, EAVES);
     frame.sheet(mesh, &wall, &[&outer_order, &splay], 0.0, -1.0);
-    frame.sheet(mesh, &wall, &[&outer_order, &light], WALL, 1.0);
+    // Above the aisle's roof the wall is thinner.
+    let (low, high) = (
+        Outline::rectangle(-half, half, CAPITAL, LEDGE),
+        Outline::rectangle(-half, half, LEDGE, EAVES),
+    );
+    frame.sheet(mesh, &low, &[&outer_order], WALL, 1.0);
+    frame.sheet(mesh, &high, &[&light], CLERESTORY, 1.0);
+    let ledge = [
+        (-half, CLERESTORY),
+        (half, CLERESTORY),
+        (half, WALL),
+        (-half, WALL),
+    ]
+    .map(|(x, depth)| frame.at(dvec2(x, LEDGE), depth));
+    mesh.quad_toward(ledge, ledge.map(|p| dvec2(p.x, p.z)), DVec3::Y);
     // Arch in two orders.
     for (front, back, outward) in [(0.0, 0.3, -1.0), (WALL, WALL - 0.3, 1.0)] {
         let ring_wall =
@@ -132,11 +155,9 @@ fn arcade_and_clerestory(mesh: &mut Mesh, frame: Frame, half: f64) {
         .map(|p| frame.at(dvec2(p.x, CAPITAL), p.y));
         mesh.quad_toward(corners, corners.map(|p| dvec2(p.x, p.z)), DVec3::NEG_Y);
     }
-    // Clerestory window: splayed inside, tracery in the middle of the wall.
-    frame.reveal(mesh, (&splay, 0.0), (&light, 0.6));
-    frame.reveal(mesh, (&light, 0.6), (&light, WALL));
-    mesh.color = DVec3::splat(0.95);
-    tracery(mesh, frame, &light, 8.5, 11.1, 1.12, 0.65);
+    // The clerestory's lancet, splayed inside: narrow, so that its beam stands apart from the next.
+    frame.reveal(mesh, (&splay, 0.0), (&light, CLERESTORY - 0.12));
+    frame.reveal(mesh, (&light, CLERESTORY - 0.12), (&light, CLERESTORY));
     mesh.color = WHITE;
     // String course below the windows, and a label mould over the arch.
     for (y, out) in [(7.35, 0.13), (7.5, 0.2)] {
@@ -158,7 +179,7 @@ fn arcade_and_clerestory(mesh: &mut Mesh, frame: Frame, half: f64) {
     mesh.sweep(&curve, -frame.depth, &section);
 }
 
-/// Two lancets and an eye in a plate of 0.18 m.
+/// Two lancets and an eye, 0.18 m deep; nobody sees the back.
 fn tracery(
     mesh: &mut Mesh,
     frame: Frame,
@@ -176,30 +197,28 @@ fn tracery(
             sill + 0.1,
             spring - 0.15 * w,
             pointed,
-            4,
+            3,
         )
     };
-    let eye = Outline::circle(dvec2(0.0, spring + 0.68 * w), 0.37 * w, 8);
-    frame.plate(
-        mesh,
-        light,
-        &[&lancet(-1.0), &lancet(1.0), &eye],
-        depth,
-        depth + 0.18,
-    );
+    let eye = Outline::circle(dvec2(0.0, spring + 0.68 * w), 0.37 * w, 6);
+    let (left, right) = (lancet(-1.0), lancet(1.0));
+    frame.sheet(mesh, light, &[&left, &right, &eye], depth, -1.0);
+    for hole in [&left, &right, &eye] {
+        frame.reveal(mesh, (hole, depth), (hole, depth + 0.18));
+    }
 }
 
 fn aisle_wall(mesh: &mut Mesh, frame: Frame, half: f64) {
     mesh.material = STONE;
     mesh.color = DVec3::splat(0.97);
-    let window = |w: f64, sill: f64| Outline::arch(0.0, w, sill, 4.35, 0.5, 6);
-    let (splay, light) = (window(1.3, 1.5), window(1.0, 1.9));
+    let window = |w: f64, sill: f64| Outline::arch(0.0, w, sill, 4.75, 0.5, 4);
+    let (splay, light) = (window(1.3, 1.8), window(1.0, 2.3));
     let wall = Outline::rectangle(-half, half, FOOTING, AISLE_EAVES);
     frame.sheet(mesh, &wall, &[&splay], 0.0, -1.0);
     frame.sheet(mesh, &wall, &[&light], WALL, 1.0);
     frame.reveal(mesh, (&splay, 0.0), (&light, 0.6));
     frame.reveal(mesh, (&light, 0.6), (&light, WALL));
-    tracery(mesh, frame, &light, 1.9, 4.35, 1.0, 0.65);
+    tracery(mesh, frame, &light, 2.3, 4.75, 1.0, 0.65);
     // A stone bench runs along the wall.
     mesh.color = DVec3::splat(0.9);
     let bench = [
@@ -232,8 +251,7 @@ fn stations(steps: usize) -> Vec<f64> {
 
 /// A groin vault over a bay, with ribs along its groins and across the bay's western end.
 fn vault(mesh: &mut Mesh, middle: f64, width: f64, spring: f64, rise: f64, rib: f64) {
-    let steps = 6;
-    let stations = stations(steps);
+    let stations = stations(if width > 3.0 { 5 } else { 3 });
     let at = |s: f64, t: f64| {
         dvec3(
             middle + width * s,
@@ -279,8 +297,8 @@ fn vault(mesh: &mut Mesh, middle: f64, width: f64, spring: f64, rise: f64, rib: 
     }
     mesh.material = STONE;
     mesh.color = DVec3::splat(0.92);
-    let round: Vec<DVec2> = (0..=6)
-        .map(|i| PI * f64::from(i) / 6.0)
+    let round: Vec<DVec2> = (0..=4)
+        .map(|i| PI * f64::from(i) / 4.0)
         .map(|angle| rib * dvec2(-1.4 * angle.sin(), angle.cos()))
         .collect();
     for sign in [1.0, -1.0] {
@@ -307,10 +325,9 @@ fn vault(mesh: &mut Mesh, middle: f64, width: f64, spring: f64, rise: f64, rib: 
         &[
             dvec2(0.0, 0.0),
             dvec2(1.2 * rib, 0.1 * rib),
-            dvec2(2.0 * rib, 0.8 * rib),
             dvec2(2.2 * rib, 2.6 * rib),
         ],
-        12,
+        8,
     );
 }
 
@@ -329,6 +346,13 @@ fn flipped(curve: &[DVec3], binormal: DVec3) -> DVec3 {
 pub fn pillars() -> Mesh {
     let mut mesh = Mesh::of(STONE);
     for side in [1.0, -1.0] {
+        // Angles that face the nave, and those that face the aisle's window.
+        let nave = if side > 0.0 {
+            [FRAC_PI_2, 3.0 * FRAC_PI_2]
+        } else {
+            [-FRAC_PI_2, FRAC_PI_2]
+        };
+
         let foot = dvec3(side * (NAVE + WALL / 2.0), 0.0, 0.0);
         mesh.color = DVec3::splat(0.88);
         mesh.block(
@@ -336,54 +360,52 @@ pub fn pillars() -> Mesh {
             foot + dvec3(0.82, 0.22, 0.82),
         );
         mesh.color = DVec3::splat(0.95);
-        let mut base = vec![dvec2(0.8, 0.22)];
-        base.extend(torus(0.7, 0.31, 0.09, 5));
-        base.extend([dvec2(0.62, 0.42), dvec2(0.58, 0.5)]);
-        base.extend(torus(0.58, 0.56, 0.06, 4));
-        base.push(dvec2(0.52, 0.64));
-        mesh.lathe(foot, &base, 20);
+        let mut base = vec![dvec2(0.78, 0.22)];
+        base.extend([dvec2(0.79, 0.32), dvec2(0.7, 0.41)]);
+        base.extend([dvec2(0.58, 0.46), dvec2(0.6, 0.54), dvec2(0.52, 0.64)]);
+        mesh.lathe(foot, &base, ROUND);
         // Drums, each a stone of its own.
-        let heights = [0.64, 1.22, 1.85, 2.4, 3.06, 3.62];
-        for (i, pair) in heights.windows(2).enumerate() {
+        for (i, drum) in [0.64, 1.66, 2.7, 3.62].windows(2).enumerate() {
             mesh.color = tint(i, if side > 0.0 { 1 } else { 2 });
-            let radius = |y: f64| 0.52 - 0.03 * (y - 0.64) / 3.0;
-            mesh.lathe(
-                foot,
-                &[
-                    dvec2(radius(pair[0]), pair[0]),
-                    dvec2(radius(pair[1]), pair[1]),
-                ],
-                20,
-            );
+            let ring = |y: f64| dvec2(0.52 - 0.03 * (y - 0.64) / 3.0, y);
+            mesh.lathe(foot, &[ring(drum[0]), ring(drum[1])], ROUND);
         }
-        capital(&mut mesh, foot, 3.62, CAPITAL, 0.49, 0.8);
+        capital(
+            &mut mesh,
+            foot,
+            [3.62, CAPITAL],
+            [0.49, 0.8],
+            [0.0, TAU],
+            ROUND,
+        );
 
         // Three shafts from the capital up to the vault.
         let wall = dvec3(side * NAVE, 0.0, 0.0);
-        for (z, out, radius) in [(0.0, 0.1, 0.17), (0.27, 0.02, 0.11), (-0.27, 0.02, 0.11)] {
-            let foot = wall + dvec3(-side * out, 0.0, z);
-            mesh.color = tint(7, (radius * 100.0) as usize);
-            let mut line = vec![dvec2(radius + 0.08, CAPITAL)];
-            line.extend(torus(radius + 0.04, CAPITAL + 0.08, 0.05, 3));
-            line.extend([dvec2(radius, CAPITAL + 0.2), dvec2(radius, 7.3)]);
-            line.extend(torus(radius, 7.5, 0.08, 3));
-            line.extend([dvec2(radius, 7.7), dvec2(radius, 9.25)]);
-            line.extend(torus(radius, 9.28, 0.03, 3));
-            line.extend([
-                dvec2(radius + 0.01, 9.36),
+        for (z, out, radius, segments) in [
+            (0.0, 0.1, 0.17, 6),
+            (0.27, 0.02, 0.11, 4),
+            (-0.27, 0.02, 0.11, 4),
+        ] {
+            mesh.color = tint(7, segments);
+            let line = [
+                dvec2(radius + 0.09, CAPITAL),
+                dvec2(radius + 0.09, CAPITAL + 0.12),
+                dvec2(radius, CAPITAL + 0.2),
+                dvec2(radius, 9.2),
+                dvec2(radius + 0.03, 9.26),
+                dvec2(radius + 0.01, 9.34),
                 dvec2(radius + 0.06, 9.55),
-                dvec2(radius + 0.17, SPRING - 0.1),
-                dvec2(radius + 0.17, SPRING),
-            ]);
-            mesh.lathe(foot, &line, 12);
+                dvec2(radius + 0.17, SPRING - 0.08),
+            ];
+            let foot = wall + dvec3(-side * out, 0.0, z);
+            mesh.turned(foot, nave, segments, line.len(), |row, _| line[row]);
         }
         mesh.color = DVec3::splat(0.9);
-        mesh.block(
-            (wall + dvec3(-side * 0.42, SPRING - 0.08, -0.52))
-                .min(wall + dvec3(side * 0.1, SPRING + 0.06, 0.52)),
-            (wall + dvec3(-side * 0.42, SPRING - 0.08, -0.52))
-                .max(wall + dvec3(side * 0.1, SPRING + 0.06, 0.52)),
-        );
+        let slab = [
+            wall + dvec3(-side * 0.42, SPRING - 0.08, -0.52),
+            wall + dvec3(side * 0.1, SPRING + 0.06, 0.52),
+        ];
+        mesh.block(slab[0].min(slab[1]), slab[0].max(slab[1]));
 
         // The respond: a half shaft on the aisle's wall.
         let foot = dvec3(side * AISLE, 0.0, 0.0);
@@ -393,38 +415,56 @@ pub fn pillars() -> Mesh {
             foot + dvec3(0.46, 0.6, 0.46),
         );
         mesh.color = tint(9, 9);
-        let mut line = torus(0.36, 0.68, 0.08, 4);
-        line.extend([dvec2(0.3, 0.78), dvec2(0.29, 3.85)]);
-        mesh.lathe(foot, &line, 14);
-        capital(&mut mesh, foot, 3.85, CAPITAL, 0.29, 0.46);
+        let line = [
+            dvec2(0.38, 0.6),
+            dvec2(0.38, 0.72),
+            dvec2(0.3, 0.8),
+            dvec2(0.29, 3.85),
+        ];
+        mesh.turned(foot, nave, 7, line.len(), |row, _| line[row]);
+        capital(&mut mesh, foot, [3.85, CAPITAL], [0.29, 0.46], nave, 8);
     }
     mesh
 }
 
-/// A ring of radius `r` and half thickness `h` at height `y`, as a profile from below.
-fn torus(r: f64, y: f64, h: f64, steps: usize) -> Vec<DVec2> {
-    (0..=steps)
-        .map(|i| -FRAC_PI_2 + PI * i as f64 / steps as f64)
-        .map(|angle| dvec2(r + h * angle.cos(), y + h * angle.sin()))
-        .collect()
-}
-
 /// A bell from a round shaft to a square slab, with leaves at the corners.
-fn capital(mesh: &mut Mesh, foot: DVec3, from: f64, to: f64, radius: f64, half: f64) {
+fn capital(
+    mesh: &mut Mesh,
+    foot: DVec3,
+    [from, to]: [f64; 2],
+    [radius, half]: [f64; 2],
+    arc: [f64; 2],
+    segments: usize,
+) {
     mesh.color = DVec3::splat(0.98);
-    mesh.lathe(foot, &torus(radius, from + 0.04, 0.04, 4), 20);
     let slab = 0.2 * (to - from) + 0.04;
-    let rows = 7;
-    mesh.turned(foot, 24, rows, |row, angle| {
-        let t = row as f64 / (rows - 1) as f64;
+    // Share of the way up and of the way out; first the ring at the neck.
+    let rows = [
+        (0.0, 0.0),
+        (0.03, 0.17),
+        (0.1, 0.17),
+        (0.13, 0.0),
+        (0.4, 0.1),
+        (0.7, 0.4),
+        (1.0, 1.0),
+    ];
+    mesh.turned(foot, arc, segments, rows.len(), |row, angle| {
+        let (up, out) = rows[row];
         // Distance to a rounded square in this direction.
         let (c, s) = (angle.cos().abs(), angle.sin().abs());
-        let square = 0.96 * half / (c.powi(8) + s.powi(8)).powf(0.125);
-        let leaf = 0.06 * half * (8.0 * angle).cos() * (PI * t).sin();
-        let flare = t * t * (0.4 + 0.6 * t);
+        let square = if row < 4 {
+            half
+        } else {
+            0.96 * half / (c.powi(8) + s.powi(8)).powf(0.125)
+        };
+        let leaf = if row < 4 {
+            0.0
+        } else {
+            0.1 * half * (8.0 * angle).cos() * (PI * up).sin()
+        };
         dvec2(
-            radius + (square - radius) * flare + leaf * 1.6,
-            from + 0.08 + (to - slab - from - 0.08) * t,
+            radius + (square - radius) * out + leaf,
+            from + (to - slab - from) * up,
         )
     });
     mesh.color = DVec3::splat(0.92);
@@ -467,8 +507,8 @@ pub fn ends() -> Mesh {
         ));
     }
     holes.push((
-        Outline::circle(rose_at, 2.6, 24),
-        Outline::circle(rose_at, 2.3, 24),
+        Outline::circle(rose_at, 2.6, 16),
+        Outline::circle(rose_at, 2.3, 16),
     ));
     let (inner, outer): (Vec<&Outline>, Vec<&Outline>) = holes.iter().map(|(a, b)| (a, b)).unzip();
     east.sheet(&mut mesh, &wall, &inner, 0.0, -1.0);
@@ -478,20 +518,23 @@ pub fn ends() -> Mesh {
         east.reveal(&mut mesh, (outer, 0.55), (outer, WALL));
     }
     // The rose: an eye, eight petals, eight sparks.
-    let mut petals = vec![Outline::circle(rose_at, 0.52, 10)];
+    let mut petals = vec![Outline::circle(rose_at, 0.52, 8)];
     for k in 0..8 {
         let toward = |angle: f64| dvec2(angle.cos(), angle.sin());
         let angle = TAU * (f64::from(k) + 0.5) / 8.0;
-        petals.push(Outline::circle(rose_at + 1.3 * toward(angle), 0.46, 8));
+        petals.push(Outline::circle(rose_at + 1.3 * toward(angle), 0.46, 6));
         petals.push(Outline::circle(
             rose_at + 1.93 * toward(angle + TAU / 16.0),
             0.24,
-            6,
+            4,
         ));
     }
     let petals: Vec<&Outline> = petals.iter().collect();
     mesh.color = DVec3::splat(0.95);
-    east.plate(&mut mesh, &holes[5].1, &petals, 0.6, 0.82);
+    east.sheet(&mut mesh, &holes[5].1, &petals, 0.6, -1.0);
+    for petal in petals {
+        east.reveal(&mut mesh, (petal, 0.6), (petal, 0.82));
+    }
 
     let west = Frame {
         origin: DVec3::ZERO,
@@ -499,16 +542,14 @@ pub fn ends() -> Mesh {
         depth: DVec3::Z,
     };
     mesh.color = WHITE;
-    let portal = Outline::arch(0.0, 3.7, FOOTING, 8.0, 1.8, 8);
-    let doors = [-7.35, 7.35].map(|middle| Outline::arch(middle, 1.2, FOOTING, 4.2, 0.6, 6));
-    let holes = [&portal, &doors[0], &doors[1]];
-    west.plate(&mut mesh, &wall, &holes, 0.0, WALL);
+    let portal = Outline::arch(0.0, 2.1, FOOTING, 4.2, 0.9, 6);
+    west.plate(&mut mesh, &wall, &[&portal], 0.0, WALL);
 
     for (frame, depth) in [(east, WALL), (west, WALL)] {
         let corners = [
             dvec2(-NAVE - WALL, EAVES),
             dvec2(NAVE + WALL, EAVES),
-            dvec2(0.0, 20.5),
+            dvec2(0.0, 20.3),
         ]
         .map(|p| frame.at(p, depth - 0.3));
         mesh.polygon(&corners);
@@ -589,15 +630,15 @@ pub fn figure() -> Mesh {
         (0.06, 1.5),
     ];
     let narrow = |angle: f64| 1.0 - 0.32 * angle.sin().powi(2);
-    mesh.turned(DVec3::ZERO, 18, coat.len(), |row, angle| {
+    mesh.turned(DVec3::ZERO, [0.0, TAU], 12, coat.len(), |row, angle| {
         let fold = 1.0 + 0.05 * (7.0 * angle).sin() * (1.0 - coat[row].1 / 1.5);
         dvec2(coat[row].0 * narrow(angle) * fold, coat[row].1)
     });
     mesh.color = dvec3(1.0, 0.8, 0.65) * 0.9;
-    let head: Vec<DVec2> = (0..=8)
-        .map(|i| -FRAC_PI_2 + PI * f64::from(i) / 8.0)
+    let head: Vec<DVec2> = (0..=5)
+        .map(|i| -FRAC_PI_2 + PI * f64::from(i) / 5.0)
         .map(|angle| dvec2(0.095 * angle.cos(), 1.6 + 0.125 * angle.sin()))
         .collect();
-    mesh.lathe(DVec3::ZERO, &head, 14);
+    mesh.lathe(DVec3::ZERO, &head, 10);
     mesh
 }
