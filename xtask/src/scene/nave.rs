@@ -542,7 +542,7 @@ pub fn ends() -> Mesh {
         depth: DVec3::Z,
     };
     mesh.color = WHITE;
-    let portal = Outline::arch(0.0, 2.1, FOOTING, 4.2, 0.9, 6);
+    let portal = Outline::arch(0.0, 2.8, FOOTING, 6.2, 1.4, 6);
     west.plate(&mut mesh, &wall, &[&portal], 0.0, WALL);
 
     for (frame, depth) in [(east, WALL), (west, WALL)] {
