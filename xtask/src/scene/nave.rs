@@ -116,7 +116,7 @@ fn arcade_and_clerestory(mesh: &mut Mesh, frame: Frame, half: f64) {
     let arch = |w: f64| Outline::arch(0.0, w, CAPITAL, CAPITAL, 0.45, 6);
     let (inner_order, outer_order) = (arch(1.72), arch(2.0));
     let window = |w: f64, sill: f64| Outline::arch(0.0, w, sill, 11.3, 0.3, 4);
-    let (splay, light) = (window(0.95, 8.6), window(0.55, 9.6));
+    let (splay, light) = (window(0.95, 9.2), window(0.55, 10.1));
     let wall = Outline::rectangle(-half, half, CAPITAL, EAVES);
     frame.sheet(mesh, &wall, &[&outer_order, &splay], 0.0, -1.0);
     // Above the aisle's roof the wall is thinner.
