@@ -160,20 +160,21 @@ fn arcade_and_clerestory(mesh: &mut Mesh, frame: Frame, half: f64) {
     frame.reveal(mesh, (&light, CLERESTORY - 0.12), (&light, CLERESTORY));
     mesh.color = WHITE;
     // String course below the windows, and a label mould over the arch.
-    for (y, out) in [(7.35, 0.13), (7.5, 0.2)] {
-        let bar = [
-            frame.at(dvec2(-half, y), -out),
-            frame.at(dvec2(half, y + 0.15), 0.02),
-        ];
-        mesh.block(bar[0].min(bar[1]), bar[0].max(bar[1]));
-    }
+    let course = [
+        (0.0, 7.35),
+        (0.13, 7.35),
+        (0.13, 7.5),
+        (0.2, 7.5),
+        (0.2, 7.65),
+        (0.0, 7.65),
+    ];
+    moulding(mesh, frame, half, &course);
     let label = arch(2.12).around();
     let curve: Vec<DVec3> = label[2..].iter().map(|&p| frame.at(p, 0.0)).collect();
     let section = [
         dvec2(-0.07, 0.0),
-        dvec2(-0.07, 0.07),
-        dvec2(0.0, 0.11),
-        dvec2(0.07, 0.06),
+        dvec2(-0.06, 0.09),
+        dvec2(0.06, 0.09),
         dvec2(0.07, 0.0),
     ];
     mesh.sweep(&curve, -frame.depth, &section);
@@ -221,11 +222,27 @@ fn aisle_wall(mesh: &mut Mesh, frame: Frame, half: f64) {
     tracery(mesh, frame, &light, 2.3, 4.75, 1.0, 0.65);
     // A stone bench runs along the wall.
     mesh.color = DVec3::splat(0.9);
-    let bench = [
-        frame.at(dvec2(-half, 0.0), -0.4),
-        frame.at(dvec2(half, 0.45), 0.0),
-    ];
-    mesh.block(bench[0].min(bench[1]), bench[0].max(bench[1]));
+    moulding(mesh, frame, half, &[(0.4, 0.0), (0.4, 0.45), (0.0, 0.45)]);
+}
+
+/// A bar along a wall; `profile` is (out of the wall, height), from below.
+fn moulding(mesh: &mut Mesh, frame: Frame, half: f64, profile: &[(f64, f64)]) {
+    for pair in profile.windows(2) {
+        let [(p, low), (q, high)] = [pair[0], pair[1]];
+        let corners = [
+            (-half, low, p),
+            (half, low, p),
+            (half, high, q),
+            (-half, high, q),
+        ]
+        .map(|(x, y, out)| frame.at(dvec2(x, y), -out));
+        let uvs = corners.map(|c| dvec2(c.z, -c.y - c.x.abs()));
+        mesh.quad_toward(
+            corners,
+            uvs,
+            frame.depth * (low - high) + DVec3::Y * (p - q),
+        );
+    }
 }
 
 /// Height of a pointed arch over -1 to 1, from 0 at its ends to 1 in the middle.
@@ -251,7 +268,8 @@ fn stations(steps: usize) -> Vec<f64> {
 
 /// A groin vault over a bay, with ribs along its groins and across the bay's western end.
 fn vault(mesh: &mut Mesh, middle: f64, width: f64, spring: f64, rise: f64, rib: f64) {
-    let stations = stations(if width > 3.0 { 5 } else { 3 });
+    let (steps, facets) = if width > 3.0 { (5, 4) } else { (3, 3) };
+    let stations = stations(steps);
     let at = |s: f64, t: f64| {
         dvec3(
             middle + width * s,
@@ -297,8 +315,8 @@ fn vault(mesh: &mut Mesh, middle: f64, width: f64, spring: f64, rise: f64, rib: 
     }
     mesh.material = STONE;
     mesh.color = DVec3::splat(0.92);
-    let round: Vec<DVec2> = (0..=4)
-        .map(|i| PI * f64::from(i) / 4.0)
+    let round: Vec<DVec2> = (0..=facets)
+        .map(|i| PI * f64::from(i) / f64::from(facets))
         .map(|angle| rib * dvec2(-1.4 * angle.sin(), angle.cos()))
         .collect();
     for sign in [1.0, -1.0] {
@@ -318,17 +336,19 @@ fn vault(mesh: &mut Mesh, middle: f64, width: f64, spring: f64, rise: f64, rib: 
     ];
     let curve: Vec<DVec3> = stations.iter().map(|&s| at(s, 1.0)).collect();
     mesh.sweep(&curve, flipped(&curve, DVec3::Z), &band);
-    // A boss where the groins meet.
-    let crown = dvec3(middle, spring + rise - 2.6 * rib, 0.0);
-    mesh.lathe(
-        crown,
-        &[
-            dvec2(0.0, 0.0),
-            dvec2(1.2 * rib, 0.1 * rib),
-            dvec2(2.2 * rib, 2.6 * rib),
-        ],
-        8,
-    );
+    if rib > 0.1 {
+        // A boss where the groins meet; the aisles' are too small to be seen.
+        let crown = dvec3(middle, spring + rise - 2.6 * rib, 0.0);
+        mesh.lathe(
+            crown,
+            &[
+                dvec2(0.0, 0.0),
+                dvec2(1.2 * rib, 0.1 * rib),
+                dvec2(2.2 * rib, 2.6 * rib),
+            ],
+            8,
+        );
+    }
 }
 
 /// `binormal`, or its opposite, such that the normal of [`Mesh::sweep`] points up, out of the vault.
