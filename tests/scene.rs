@@ -2,12 +2,13 @@
 
 mod common;
 
+use common::scenes;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use tyndall::medium::{Phase, Shape};
-use tyndall::scene::{self, AlphaMode, Projection, PunctualKind, Scene, Wrap};
+use tyndall::scene::{self, AlphaMode, Geometry, Projection, PunctualKind, Ray, Scene, Wrap};
 
 /// A folder that goes with the test.
 struct Folder(tempfile::TempDir);
@@ -1334,4 +1335,87 @@ fn damaged_files_never_panic() {
     );
     survives_damage(&folder, "g.gltf", &real("terrain/Mountains.gltf"), 300);
     survives_damage(&folder, "h.obj", &real("gazebo/gazebo.obj"), 200);
+}
+
+#[test]
+fn the_built_in_scene_stands_on_its_own() {
+    let nave = Scene::builtin("nave").expect("it loads");
+    assert_eq!(nave.warnings, [""; 0], "nothing is left out or doubtful");
+    assert!((10_000..=40_000).contains(&nave.mesh.triangles.len()));
+    assert!(nave.time.is_some() && nave.site.is_some() && nave.camera.is_some());
+    assert_eq!(nave.textures.len(), 2);
+    assert_eq!(nave.picture.size, Some([960, 600]));
+    // Rounded to 0.1 mm and to 1/255 in the file.
+    for normal in nave.mesh.normals {
+        assert!((normal.length() - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn light_enters_the_nave_through_its_openings_alone() {
+    let nave = Scene::builtin("nave").expect("it loads");
+    let geometry = Geometry::new(&nave);
+    let mut dice = Dice(11);
+    let mut within =
+        |from: f64, to: f64| from + (to - from) * dice.roll(1 << 20) as f64 / f64::from(1 << 20);
+    let (mut below_the_sills, mut out) = (0, 0);
+    for _ in 0..40_000 {
+        let origin = DVec3::new(within(-1.0, 1.0), within(0.3, 1.7), within(-30.0, -6.0));
+        let (azimuth, height) = (within(0.0, std::f64::consts::TAU), within(0.0, 1.0));
+        let flat = (1.0 - height * height).sqrt();
+        let direction = DVec3::new(flat * azimuth.cos(), height, flat * azimuth.sin());
+        let free = !geometry.occluded(&Ray { origin, direction }, 0.0, f64::INFINITY);
+        out += usize::from(free);
+        // The highest opening, 12.3 m up in a wall 3.5 m away or more, is seen at 74 degrees: nothing is above.
+        assert!(
+            !free || height.asin().to_degrees() < 74.0,
+            "through the roof from {origin} toward {direction}"
+        );
+        // At less than the sills' height at the aisles' walls, only the portal in the west is open.
+        let at_wall = origin.y + 10.0 / direction.x.abs() * direction.y;
+        if at_wall < 1.8 && direction.x.abs() > direction.z.abs() {
+            below_the_sills += 1;
+            assert!(!free, "through a wall from {origin} toward {direction}");
+        }
+    }
+    assert!(below_the_sills > 100, "{below_the_sills} rays is no test");
+    assert!(
+        (800..8000).contains(&out),
+        "{out} of 40 000 directions are open"
+    );
+}
+
+#[test]
+fn scenes_made_in_code_are_what_they_say() {
+    let sun = [150.0, 30.0];
+    for (scene, triangles) in [
+        (scenes::slit_room(0.1, sun), 12 * (4 + 1 + 2 + 2)),
+        (scenes::slatted_roof(20, sun), 12 * (2 + 2 + 1 + 20)),
+        (scenes::gates(5, sun), 12 * 15),
+        (scenes::colonnade(6, 16, sun), 6 * 2 * 32 + 24),
+        (scenes::terrain(32, 100.0, sun), 32 * 32 * 2),
+        (scenes::soup(1000, 0.1, 3, sun), 1000),
+    ] {
+        assert_eq!(scene.mesh.triangles.len(), triangles);
+        assert!(scene.mesh.positions.iter().all(|p| p.is_finite()));
+    }
+    // The slit lets a ray in; beside it there is none.
+    let geometry = Geometry::new(&scenes::slit_room(0.1, sun));
+    let open = |z: f64| {
+        !geometry.occluded(
+            &Ray {
+                origin: DVec3::new(0.0, 2.0, z),
+                direction: DVec3::X,
+            },
+            0.0,
+            100.0,
+        )
+    };
+    assert!(open(0.0) && open(0.049) && !open(0.051) && !open(-0.2));
+    // Terrain faces up.
+    let terrain = scenes::terrain(32, 100.0, sun);
+    for t in &terrain.mesh.triangles {
+        let [a, b, c] = t.vertices.map(|v| terrain.mesh.positions[v as usize]);
+        assert!((b - a).cross(c - a).y > 0.0);
+    }
 }

@@ -118,8 +118,9 @@ impl Assembly {
                 .length_squared()
                 .max(ac.length_squared())
                 .max(bc.length_squared());
-            // Negated, so that an overflow to NaN counts as degenerate.
-            if !(ab.cross(ac).length() > LEAST_ASPECT * longest) {
+            let doubled_area = ab.cross(ac).length();
+            // An overflow to infinity or NaN leaves nothing to draw either.
+            if !doubled_area.is_finite() || doubled_area <= LEAST_ASPECT * longest {
                 self.degenerate += 1;
                 continue;
             }

@@ -310,7 +310,9 @@ impl Loader<'_> {
                 None => {
                     let mut is_child = vec![false; json.nodes.len()];
                     for &child in json.nodes.iter().flat_map(|n| &n.children) {
-                        is_child.get_mut(child).map(|c| *c = true);
+                        if let Some(c) = is_child.get_mut(child) {
+                            *c = true;
+                        }
                     }
                     (0..json.nodes.len()).filter(|&n| !is_child[n]).collect()
                 }
@@ -380,11 +382,11 @@ impl Loader<'_> {
                     DVec3::new(m[4], m[5], m[6]),
                     DVec3::new(m[8], m[9], m[10]),
                 ),
-                translation: DVec3::new(m[12], m[13], m[14]).into(),
+                translation: DVec3::new(m[12], m[13], m[14]),
             },
             None => {
                 let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
-                if !(rotation.length_squared() > 0.0) {
+                if !rotation.is_finite() || rotation.length_squared() == 0.0 {
                     return Err(self.gltf.error(
                         format_args!("{place}.rotation"),
                         "it is no rotation",
@@ -553,7 +555,7 @@ impl Loader<'_> {
         self.scene.cameras.push(NamedCamera {
             name: name.unwrap_or_else(|| format!("camera {index}")),
             camera: Camera {
-                eye: to_scene.translation.into(),
+                eye: to_scene.translation,
                 forward,
                 up,
                 projection,
@@ -621,7 +623,7 @@ impl Loader<'_> {
         self.scene.lights.push(PunctualLight {
             name: name.unwrap_or_else(|| format!("light {index}")),
             color,
-            position: to_scene.translation.into(),
+            position: to_scene.translation,
             direction,
             kind,
         });

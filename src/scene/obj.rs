@@ -40,7 +40,6 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         triangulate: false,
         ignore_points: true,
         ignore_lines: true,
-        ..tobj::LoadOptions::default()
     };
     let (models, materials) =
         guarded(|| tobj::load_obj_buf(&mut text.as_bytes(), &options, load_mtl)).map_err(

@@ -21,11 +21,12 @@ struct SceneFile {
     /// The geometry: a glTF, GLB or OBJ file, relative to this one. Absent: nothing but ground, media and sky.
     mesh: Option<String>,
     /// Metres in a unit of the mesh.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(range(max = 1e9), extend("exclusiveMinimum" = 0.0))]
     scale: Option<f64>,
     /// The mesh's axis that points up; with "z", its Y axis becomes the scene's -Z.
     up: Option<Up>,
     /// Where the mesh's origin goes, added after `scale` and `up` [m].
+    #[schemars(inner(range(min = -1e9, max = 1e9)))]
     origin: Option<[f64; 3]>,
     /// Azimuth that the scene's -Z axis faces, from north through east [degrees]; with 0, +X is east.
     #[schemars(range(min = -360.0, max = 360.0), extend("x-unit" = "degrees"))]
@@ -76,8 +77,10 @@ struct SiteTable {
 #[serde(deny_unknown_fields)]
 struct CameraTable {
     /// Where the eye is [m].
+    #[schemars(inner(range(min = -1e9, max = 1e9)))]
     eye: [f64; 3],
     /// A point that it looks at [m].
+    #[schemars(inner(range(min = -1e9, max = 1e9)))]
     target: [f64; 3],
     /// What is up in the picture; [0, 1, 0] when absent.
     up: Option<[f64; 3]>,
@@ -282,6 +285,13 @@ pub(super) fn load(
     };
     let origin = file.origin.map_or(DVec3::ZERO, DVec3::from_array);
     scene.place(file.scale.unwrap_or(1.0), file.up == Some(Up::Z), origin);
+    if !scene.mesh.positions.iter().all(|p| p.is_finite()) {
+        return Err(wrong(
+            "scale",
+            "it makes the mesh larger than numbers go".into(),
+            "write a smaller scale",
+        ));
+    }
 
     scene.north_deg = file.north.unwrap_or(0.0);
     scene.time = file.time;
@@ -341,7 +351,7 @@ impl CameraTable {
             DVec3::from_array(self.eye),
             DVec3::from_array(self.target) - DVec3::from_array(self.eye),
         );
-        if !(forward.length() > 0.0) {
+        if forward == DVec3::ZERO {
             return Err(wrong(
                 "camera.target",
                 "it is where the eye is".into(),
@@ -349,7 +359,7 @@ impl CameraTable {
             ));
         }
         let up = self.up.map_or(DVec3::Y, DVec3::from_array);
-        if !(up.length() > 0.0) {
+        if up == DVec3::ZERO {
             return Err(wrong(
                 "camera.up",
                 "it has no direction".into(),

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod build;
+pub mod scenes;
 
 use std::io::Write;
 use std::path::PathBuf;

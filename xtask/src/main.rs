@@ -1,5 +1,6 @@
 //! What the project does to itself: `cargo xtask test`.
 
+mod scene;
 mod test;
 
 use std::path::PathBuf;
@@ -8,12 +9,14 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
+  scene              make the built-in scene, data/nave
   test [ARGUMENTS]   set up what the tests need and run all of them; ARGUMENTS go to `cargo test`
 ";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     match arguments.next().as_deref() {
+        Some("scene") => scene::run(),
         Some("test") => test::run(arguments.collect()),
         Some("help" | "--help" | "-h") => {
             print!("{USAGE}");
