@@ -413,3 +413,57 @@ fn the_plain_path_is_srgb_and_dither_keeps_the_mean() {
         );
     }
 }
+
+#[test]
+fn colour_temperatures_are_those_of_colour_science() {
+    // Skies and suns, and colours around the locus.
+    let cases = sky_cases();
+    let mut xyz: Vec<DVec3> = preetham(&cases)
+        .iter()
+        .map(|v| colour::xyz_from_xyy(*v))
+        .collect();
+    for (x, y) in [
+        (0.3127, 0.3290),
+        (0.44757, 0.40745),
+        (0.46, 0.38),
+        (0.30, 0.33),
+        (0.55, 0.41),
+        (0.25, 0.25),
+    ] {
+        xyz.push(colour::xyz_from_xyy(DVec3::new(x, y, 100.0)));
+    }
+    let ours: Vec<_> = xyz.iter().map(|v| colour::temperature(*v)).collect();
+    let (known, temperatures): (Vec<DVec3>, Vec<_>) = xyz
+        .iter()
+        .zip(&ours)
+        .filter_map(|(v, t)| t.map(|t| (*v, t)))
+        .unzip();
+    assert!(known.len() > 60, "{}", known.len());
+    // A sky bluer than any black body, a pure green and black have none: no number, not a wrong one.
+    for (x, y) in [(0.20, 0.20), (0.17, 0.797), (0.30, 0.60)] {
+        assert_eq!(
+            colour::temperature(colour::xyz_from_xyy(DVec3::new(x, y, 1.0))),
+            None
+        );
+    }
+    assert_eq!(colour::temperature(DVec3::ZERO), None);
+    let Some(judged) = judge(
+        "colour_temperatures_are_those_of_colour_science",
+        &json!({ "temperature": rows(&known) }),
+    ) else {
+        return;
+    };
+    let theirs: Vec<[f64; 2]> = serde_json::from_value(judged["temperature"].clone()).unwrap();
+    let mired = |t: f64| 1e6 / t;
+    for (ours, [cct, duv]) in temperatures.iter().zip(&theirs) {
+        assert!(
+            (mired(ours.cct) - mired(*cct)).abs() < 1.0,
+            "{ours:?} {cct} {duv}"
+        );
+        assert!((ours.duv - duv).abs() < 1e-4, "{ours:?} {cct} {duv}");
+    }
+    // A wrong input is noticed: x off by 0.002.
+    let moved = colour::temperature(colour::xyz_from_xyy(DVec3::new(0.3147, 0.3290, 1.0))).unwrap();
+    let d65 = colour::temperature(colour::xyz_from_xyy(DVec3::new(0.3127, 0.3290, 1.0))).unwrap();
+    assert!((d65.cct - 6504.0).abs() < 5.0 && (mired(moved.cct) - mired(d65.cct)).abs() > 1.0);
+}

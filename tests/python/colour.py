@@ -84,7 +84,17 @@ def preetham(rows):
     return result
 
 
+def temperature(xyz):
+    """CCT [K] and Duv by Ohno 2013."""
+    cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(colour.SpectralShape(360, 830, 5))
+    uv = [colour.UCS_to_uv(colour.XYZ_to_UCS(np.array(v) / v[1])) for v in xyz]
+    return [
+        colour.temperature.uv_to_CCT_Ohno2013(one, cmfs=cmfs, start=1000, end=100000, spacing=1.001) for one in uv
+    ]
+
+
 TASKS = {
+    "temperature": temperature,
     "xyy_to_xyz": colour.xyY_to_XYZ,
     "xyz_to_rgb": lambda tasks: [xyz_to_rgb(task) for task in tasks],
     "srgb_encode": lambda v: colour.models.eotf_inverse_sRGB(v),
