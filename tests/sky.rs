@@ -557,3 +557,67 @@ fn the_sun_sets_smoothly_and_reddens() {
         );
     }
 }
+
+#[test]
+fn patches_fill_the_dome_and_sum_to_its_illuminance() {
+    use tyndall::sky::patches::{Subdivision, dome, radiances, raw_share};
+    for (subdivision, count) in [
+        (Subdivision::Triangles, 5728),
+        (Subdivision::Tregenza, 145),
+        (Subdivision::Reinhart(2), 577),
+        (Subdivision::Reinhart(4), 2305),
+    ] {
+        let patches = dome(subdivision).unwrap();
+        assert_eq!(patches.len(), count);
+        let solid: f64 = patches.iter().map(|p| p.solid_angle).sum();
+        let projected: f64 = patches.iter().map(|p| p.projected).sum();
+        assert!(
+            (solid / (2.0 * PI) - 1.0).abs() < 1e-12,
+            "{subdivision:?} {solid}"
+        );
+        assert!(
+            (projected / PI - 1.0).abs() < 1e-12,
+            "{subdivision:?} {projected}"
+        );
+        for p in &patches {
+            assert!((p.direction.length() - 1.0).abs() < 1e-12 && p.direction.y > 0.0);
+            // A patch's projected solid angle is its solid angle times the sine of some elevation within it.
+            let sine = p.projected / p.solid_angle;
+            assert!((sine - p.direction.y).abs() < 0.03, "{p:?}");
+        }
+        for (model, elevation) in [
+            (PEREZ, 55.0),
+            (PEREZ, 12.0),
+            (HOSEK, 25.0),
+            (cie(1), 40.0),
+            (PEREZ, -3.0),
+        ] {
+            let sky = sky(model, elevation);
+            let sum: DVec3 = radiances(&sky, &patches)
+                .iter()
+                .zip(&patches)
+                .map(|(l, p)| *l * p.projected)
+                .sum();
+            let own = sky.horizontal_illuminance();
+            assert!(
+                (sum / own - DVec3::ONE).abs().max_element() < 1e-3,
+                "{subdivision:?} {model:?}"
+            );
+            // The common factor is no crutch: 5 728 triangles do without, 145 patches err by some per cent.
+            let raw = raw_share(&sky, &patches);
+            let allowed = if count == 5728 { 1e-3 } else { 0.06 };
+            assert!(
+                (raw - 1.0).abs() < allowed,
+                "{subdivision:?} {model:?} {elevation}: {raw}"
+            );
+        }
+    }
+    let triangles = dome(Subdivision::Triangles).unwrap();
+    let mean = 2.0 * PI / 5728.0;
+    assert!(
+        triangles
+            .iter()
+            .all(|p| (0.4..1.8).contains(&(p.solid_angle / mean)))
+    );
+    assert!(dome(Subdivision::Reinhart(0)).is_err() && dome(Subdivision::Reinhart(17)).is_err());
+}
