@@ -1,2 +1,71 @@
-//! cli
-fn main() {}
+//! The command line of tyndall.
+
+mod completions;
+mod doctor;
+mod place_time;
+mod plan;
+mod render;
+mod scene_args;
+mod schema;
+mod stdout;
+mod sun;
+mod tell;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Where the sun stands, what the sky looks like, what light does in the air
+#[derive(Debug, Parser)]
+#[command(name = "tyndall", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(render::RenderArgs),
+    Plan(plan::PlanCommand),
+    /// Sun position, rise, set, noon and twilights
+    Sun(sun::SunArgs),
+    Doctor(doctor::DoctorArgs),
+    Schema(schema::SchemaArgs),
+    Completions(completions::CompletionsArgs),
+    Man(completions::ManArgs),
+}
+
+/// Flags whose values may begin with a minus sign, so that clap would take a flag for their value.
+const SIGNED: [&str; 6] = ["--at", "--time", "--tz", "--sun", "--eye", "--target"];
+
+/// Ends the program where one of [`SIGNED`] is followed by a flag instead of a value.
+fn check_values(arguments: &[String]) {
+    for pair in arguments.windows(2) {
+        if SIGNED.contains(&&*pair[0]) && pair[1].starts_with("--") {
+            let text = format!("{} needs a value, found the flag {}", pair[0], pair[1]);
+            Cli::command()
+                .error(clap::error::ErrorKind::InvalidValue, text)
+                .exit();
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments = std::env::args_os().map(|a| a.to_string_lossy().into_owned());
+    check_values(&arguments.collect::<Vec<_>>());
+    let result = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Plan(args) => plan::run(&args),
+        Command::Sun(args) => sun::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
+        Command::Schema(args) => schema::run(&args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Man(args) => completions::man(&args, Cli::command()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}\n  help: {}", error.problem(), error.remedy());
+            ExitCode::from(if error.is_input() { 2 } else { 1 })
+        }
+    }
+}

@@ -9,12 +9,11 @@ pub struct Camera {
     pub eye: DVec3,
     /// Where it looks; any length but zero.
     pub forward: DVec3,
-    /// A direction that is up in the picture; need not be at right angles to `forward`. Where the two are parallel,
-    /// the scene's -Z (or, looking down, +Z... the head's own up) takes its place: see [`Camera::axes`].
+    /// A direction that is up in the picture; need not be at right angles to `forward`.
     pub up: DVec3,
     /// How directions become pixels.
     pub projection: Projection,
-    /// Lens shift in picture widths and heights, right and up positive.
+    /// Lens shift in picture widths and heights; positive looks further right and up.
     pub shift: DVec2,
 }
 
@@ -31,6 +30,127 @@ pub enum Projection {
         /// Height of what is seen [m].
         height: f64,
     },
-    /// Equirectangular: the whole sphere, `forward` in the middle, the zenith on top.
+    /// Equirectangular: the whole sphere, the azimuth of `forward` in the middle, the zenith on top.
     Panorama,
+}
+
+/// A half-line: `origin + t direction`, t >= 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where it begins [m].
+    pub origin: DVec3,
+    /// Where it goes, unit length.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// The point at distance `t` [m].
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}
+
+impl Camera {
+    /// A perspective camera that looks from `eye` to `target`, heads up.
+    pub fn look_at(eye: DVec3, target: DVec3, fov_y: f64) -> Self {
+        Camera {
+            eye,
+            forward: target - eye,
+            up: DVec3::Y,
+            projection: Projection::Perspective { fov_y },
+            shift: DVec2::ZERO,
+        }
+    }
+
+    /// Right, up and forward of the picture, unit vectors at right angles to each other.
+    ///
+    /// Looking straight along `up`, the picture's top is where it would come to lie by tilting the head from the
+    /// scene's -Z: +Z looking up, -Z looking down.
+    pub fn axes(&self) -> [DVec3; 3] {
+        let forward = self.forward.normalize();
+        let hint = if forward.cross(self.up.normalize()).length_squared() > 1e-18 {
+            self.up
+        } else if forward.dot(self.up) > 0.0 {
+            DVec3::Z
+        } else {
+            DVec3::NEG_Z
+        };
+        let right = forward.cross(hint).normalize();
+        [right, right.cross(forward), forward]
+    }
+
+    /// The ray through a position on the picture.
+    ///
+    /// `position` is in pixels from the upper left corner; pixel (i, j) has its centre at (i + 0.5, j + 0.5).
+    pub fn ray(&self, position: DVec2, size: [u32; 2]) -> Ray {
+        let [right, up, forward] = self.axes();
+        let size = DVec2::new(f64::from(size[0]), f64::from(size[1]));
+        let x = 2.0 * (position.x / size.x + self.shift.x) - 1.0;
+        let y = 1.0 - 2.0 * (position.y / size.y - self.shift.y);
+        let aspect = size.x / size.y;
+        match self.projection {
+            Projection::Perspective { fov_y } => {
+                let half = (0.5 * fov_y).tan();
+                let direction = forward + right * (x * half * aspect) + up * (y * half);
+                Ray {
+                    origin: self.eye,
+                    direction: direction.normalize(),
+                }
+            }
+            Projection::Orthographic { height } => Ray {
+                origin: self.eye + 0.5 * height * (right * (x * aspect) + up * y),
+                direction: forward,
+            },
+            Projection::Panorama => {
+                let (sin_lon, cos_lon) = (x * std::f64::consts::PI).sin_cos();
+                let (sin_lat, cos_lat) = (y * std::f64::consts::FRAC_PI_2).sin_cos();
+                let ahead = DVec3::new(forward.x, 0.0, forward.z)
+                    .try_normalize()
+                    .unwrap_or(DVec3::NEG_Z);
+                let beside = ahead.cross(DVec3::Y);
+                Ray {
+                    origin: self.eye,
+                    direction: cos_lat * (cos_lon * ahead + sin_lon * beside) + sin_lat * DVec3::Y,
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_of_the_picture_looks_forward_and_its_top_looks_up() {
+        let eye = DVec3::new(1.0, 2.0, 3.0);
+        let camera = Camera::look_at(eye, DVec3::new(4.0, 2.0, -1.0), 1.0);
+        let middle = camera.ray(DVec2::new(32.0, 24.0), [64, 48]);
+        assert!((middle.direction - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-15);
+        let top = camera.ray(DVec2::new(32.0, 0.0), [64, 48]);
+        assert!((top.direction.angle_between(middle.direction) - 0.5).abs() < 1e-12);
+        assert!(top.direction.y > 0.0);
+        let right = camera.ray(DVec2::new(64.0, 24.0), [64, 48]);
+        assert!(right.direction.cross(middle.direction).y > 0.0);
+    }
+
+    #[test]
+    fn straight_up_and_straight_down_have_axes() {
+        for y in [1.0, -1.0] {
+            let camera = Camera::look_at(DVec3::ZERO, DVec3::new(0.0, y, 0.0), 1.0);
+            let [right, up, forward] = camera.axes();
+            assert!((right.cross(up) + forward).length() < 1e-15);
+            assert!(right.is_finite() && right.x == 1.0);
+        }
+    }
+
+    #[test]
+    fn a_panorama_covers_the_sphere() {
+        let mut camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 1.0);
+        camera.projection = Projection::Panorama;
+        let ray = |x, y| camera.ray(DVec2::new(x, y), [400, 200]).direction;
+        assert!((ray(200.0, 100.0) - DVec3::NEG_Z).length() < 1e-15);
+        assert!((ray(300.0, 100.0) - DVec3::X).length() < 1e-15);
+        assert!((ray(123.0, 0.0) - DVec3::Y).length() < 1e-15);
+    }
 }

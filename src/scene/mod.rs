@@ -3,12 +3,25 @@
 //! A scene is read from a glTF/GLB or OBJ file (+Y up, metres), or from a TOML file that names one and adds what it
 //! lacks. Nothing here is physics yet: [`crate::conditions`] makes it so, and is the one place where domains are checked.
 
+mod assembly;
 pub mod camera;
+mod check;
+pub mod curtain;
+pub mod framing;
+pub mod geometry;
+mod gltf;
+mod gltf_document;
+mod load;
+mod obj;
+mod toml;
 
 use crate::medium::Medium;
 use glam::{DVec2, DVec3};
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, Projection, Ray};
+pub use geometry::{Geometry, Hit};
+pub use load::{BUILTIN, load};
+pub use toml::schema;
 
 /// Everything that a user can say about a scene.
 #[derive(Debug, Clone, Default)]

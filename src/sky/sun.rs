@@ -259,7 +259,7 @@ pub fn relative_air_mass(elevation: f64) -> f64 {
 }
 
 /// Share of a disc above the horizon, and the elevation [rad] of that part's centroid, from the centre's elevation and the radius.
-fn visible_part(centre: f64, radius: f64) -> (f64, f64) {
+pub(crate) fn visible_part(centre: f64, radius: f64) -> (f64, f64) {
     let x = centre / radius;
     if x >= 1.0 {
         return (1.0, centre);

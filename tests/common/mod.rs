@@ -1,6 +1,8 @@
 //! What the tests share: data by others, the Python judge, and the count of what could not run.
 #![allow(dead_code)]
 
+pub mod build;
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -54,4 +56,21 @@ pub fn python(test: &str, script: &str, input: &str) -> Option<String> {
     let _ = feed.join();
     assert!(output.status.success(), "{script} failed");
     Some(String::from_utf8(output.stdout).expect("the script prints UTF-8"))
+}
+
+/// Whether there is a graphics adapter, of software at least; noted without one.
+///
+/// # Panics
+/// Without one when `REQUIRE_GPU=1`, as in CI: there a missing adapter is a failure.
+pub fn gpu(test: &str) -> bool {
+    let found = !tyndall::gpu::adapters::report().adapters.is_empty();
+    if !found {
+        let required = std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1");
+        assert!(
+            !required,
+            "REQUIRE_GPU is 1 and there is no graphics adapter"
+        );
+        not_run(test, "there is no graphics adapter");
+    }
+    found
 }

@@ -1,0 +1,134 @@
+//! `tyndall completions` and `tyndall man`: made from the definitions that the command line itself is read with.
+
+use crate::stdout;
+use clap::{Args, Command};
+use clap_complete::Shell;
+use std::path::PathBuf;
+use tyndall::Error;
+use tyndall::output::atomic;
+
+/// Print completions for a shell
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    shell: Shell,
+}
+
+/// Prints the completions of `command`.
+pub fn run(args: &CompletionsArgs, mut command: Command) -> tyndall::Result<()> {
+    let name = command.get_name().to_owned();
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut command, name, &mut script);
+    stdout::print(&String::from_utf8_lossy(&script))
+}
+
+/// Print the manual page, or write all pages to a folder
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The command whose page to print; without one, that of the program
+    command: Option<String>,
+    /// Write the pages of the program and of every command to this folder instead
+    #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
+    out: Option<PathBuf>,
+}
+
+/// Prints or writes the manual of `command`.
+pub fn man(args: &ManArgs, command: Command) -> tyndall::Result<()> {
+    let pages = pages(command);
+    if let Some(folder) = &args.out {
+        for (name, page) in &pages {
+            let path = folder.join(format!("{name}.1"));
+            atomic::write(&path, |file| {
+                std::io::Write::write_all(file, page.as_bytes())
+            })?;
+        }
+        return Ok(());
+    }
+    let (program, _) = &pages[0];
+    let wanted = match &args.command {
+        Some(command) => format!("{program}-{command}"),
+        None => program.clone(),
+    };
+    match pages.iter().find(|(name, _)| *name == wanted) {
+        Some((_, page)) => stdout::print(page),
+        None => {
+            let names: Vec<&str> = pages[1..]
+                .iter()
+                .map(|(name, _)| &name[program.len() + 1..])
+                .collect();
+            Err(Error::input(
+                "man",
+                format!("there is no command `{}`", &wanted[program.len() + 1..]),
+                format!("there are {}", names.join(", ")),
+            ))
+        }
+    }
+}
+
+/// The names and texts of all pages, that of the program first.
+fn pages(command: Command) -> Vec<(String, String)> {
+    // A page for "help" would say what every page says.
+    let mut command = command.disable_help_subcommand(true);
+    command.build();
+    let source = format!(
+        "{} {}",
+        command.get_name(),
+        command.get_version().unwrap_or_default()
+    );
+    let commands = command.get_subcommands().filter(|sub| !sub.is_hide_set());
+    std::iter::once(&command)
+        .chain(commands)
+        .map(|command| {
+            // Its full name, as `man` finds it: tyndall-render.
+            let name = command.get_display_name().unwrap_or(command.get_name());
+            let man = clap_mangen::Man::new(command.clone()).source(source.trim());
+            let mut page = Vec::new();
+            // Writing to memory does not fail.
+            let _ = man.render(&mut page);
+            (name.to_owned(), String::from_utf8_lossy(&page).into_owned())
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn command() -> Command {
+        let shafts = clap::arg!(--shafts <N> "how many beams");
+        Command::new("tyndall")
+            .about("light in the air")
+            .subcommand(Command::new("render").about("a picture").arg(shafts))
+            .subcommand(Command::new("secret").hide(true))
+    }
+
+    #[test]
+    fn a_page_for_each_command() {
+        let pages = pages(command());
+        let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["tyndall", "tyndall-render"]);
+        assert!(pages[0].1.contains("light in the air"), "{}", pages[0].1);
+        assert!(pages[1].1.contains("how many beams"), "{}", pages[1].1);
+        assert!(
+            pages[1].1.contains(".TH tyndall-render 1"),
+            "{}",
+            pages[1].1
+        );
+    }
+
+    #[test]
+    fn pages_are_written_to_a_folder() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut args = ManArgs {
+            command: None,
+            out: Some(folder.path().to_owned()),
+        };
+        man(&args, command()).expect("the folder can be written");
+        assert!(folder.path().join("tyndall-render.1").is_file());
+        args.out = Some(folder.path().join("missing"));
+        assert!(man(&args, command()).is_err_and(|e| !e.is_input()));
+        args.out = None;
+        args.command = Some("rendr".into());
+        assert!(man(&args, command()).is_err_and(|e| e.is_input()));
+    }
+}

@@ -1,0 +1,209 @@
+//! The flags for a place and a time, shared by every command that asks where the sun is.
+
+use clap::Args;
+use tyndall::ephemeris::civil::{self, Fold, Moment, Reading};
+use tyndall::ephemeris::{Air, Site, Tier, TimeScale};
+use tyndall::{Error, Result};
+
+/// Where: `--at`.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PlaceArgs {
+    /// The place: degrees north and east, and metres above sea level, as in 48.8584,2.2945,35 or 33.86S,151.2E
+    #[arg(long, value_name = "LAT,LON[,ELEV]", value_parser = site, allow_hyphen_values = true)]
+    pub at: Option<Site>,
+}
+
+/// When: `--time` and how to read it.
+#[derive(Args, Clone, Debug, Default)]
+pub struct TimeArgs {
+    /// The time: RFC 3339 (2026-06-21T18:30:00+02:00), a local time of the site, a Julian date (JD2451545.0) or now
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = not_a_flag)]
+    pub time: Option<String>,
+    /// The time zone of local times and of dates: IANA name or offset [default: looked up from --at]
+    #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = not_a_flag)]
+    pub tz: Option<String>,
+    /// Which reading to take of a time that a clock change skips or repeats
+    #[arg(long, value_name = "earlier|later", value_parser = named::<Fold>)]
+    pub fold: Option<Fold>,
+    /// The scale of Julian dates; UTC is taken as UT1 (they differ by less than 0.9 s, 13.5 arcseconds of hour angle)
+    #[arg(long, value_name = "utc|ut1|tt", default_value = "utc", value_parser = named::<TimeScale>)]
+    pub time_scale: TimeScale,
+    /// TT - UT1 in seconds [default: observed, predicted or extrapolated, by the year]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number)]
+    pub delta_t: Option<f64>,
+}
+
+/// How: the algorithm and the air.
+#[derive(Args, Clone, Debug, Default)]
+pub struct SunArgs {
+    /// The algorithm: day (1.2 degrees), minute (0.0105), spa (0.0003) or arcsecond (0.2 arcseconds)
+    #[arg(long, value_name = "TIER", default_value = "spa", value_parser = named::<Tier>)]
+    pub tier: Tier,
+    /// Air pressure at the site in hPa [default: the standard atmosphere's at its elevation]
+    #[arg(long, value_name = "HPA", allow_negative_numbers = true, value_parser = number)]
+    pub pressure: Option<f64>,
+    /// Air temperature at the site in degrees Celsius [default: the standard atmosphere's at its elevation]
+    #[arg(long, value_name = "C", allow_negative_numbers = true, value_parser = number)]
+    pub temperature: Option<f64>,
+}
+
+impl TimeArgs {
+    /// What the flags say about reading a time at a site.
+    pub fn reading<'a>(&'a self, site: Option<&'a Site>) -> Reading<'a> {
+        Reading {
+            zone: self.tz.as_deref(),
+            site,
+            fold: self.fold,
+            scale: self.time_scale,
+            delta_t: self.delta_t,
+        }
+    }
+
+    /// The moment that a text means at a site.
+    ///
+    /// # Errors
+    /// [`Error::Input`] or [`Error::Domain`] from [`civil::resolve_with`], and for a civil time with `--time-scale tt`.
+    pub fn moment(&self, text: &str, site: Option<&Site>) -> Result<Moment> {
+        let julian = text
+            .trim()
+            .get(..2)
+            .is_some_and(|start| start.eq_ignore_ascii_case("jd"));
+        if self.time_scale == TimeScale::Tt && !julian {
+            return Err(Error::input(
+                "--time-scale tt",
+                format!("`{text}` is a civil time, which is UTC"),
+                "write the time as a Julian date, JD2451545.0, or leave out --time-scale",
+            ));
+        }
+        civil::resolve_with(text, &self.reading(site))
+    }
+}
+
+impl SunArgs {
+    /// The air at a site.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a pressure or temperature out of range.
+    pub fn air(&self, site: &Site) -> Result<Air> {
+        let standard = Air::standard(site);
+        if self.pressure.is_none() && self.temperature.is_none() {
+            return Ok(standard);
+        }
+        Air::new(
+            self.pressure.unwrap_or(standard.pressure_hpa()),
+            self.temperature.unwrap_or(standard.temperature_c()),
+        )
+    }
+}
+
+/// One of a flag's names.
+fn named<T: std::str::FromStr<Err = Error>>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|error: Error| error.remedy())
+}
+
+/// A finite number.
+fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("a finite number was expected".into()),
+    }
+}
+
+/// A value that may start with a minus sign, but is no flag.
+fn not_a_flag(text: &str) -> Result<String, String> {
+    if looks_like_a_flag(text) {
+        return Err(format!("a value was expected, found the flag `{text}`"));
+    }
+    Ok(text.to_owned())
+}
+
+fn looks_like_a_flag(text: &str) -> bool {
+    text.strip_prefix('-')
+        .is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit() || c == '.'))
+}
+
+/// `LAT,LON[,ELEV]`, as `-33.86,151.2` or `33.86S,151.2E,58`.
+pub fn site(text: &str) -> Result<Site, String> {
+    if looks_like_a_flag(text) {
+        return Err(format!(
+            "a place LAT,LON[,ELEV] was expected, found the flag `{text}`"
+        ));
+    }
+    let parts: Vec<&str> = text.split(',').collect();
+    if !(2..=3).contains(&parts.len()) {
+        return Err(
+            "write LAT,LON or LAT,LON,ELEV, as in -33.86,151.2 or 48.8584N,2.2945E,35".into(),
+        );
+    }
+    let latitude = degrees(parts[0], 'N', 'S')?;
+    let longitude = degrees(parts[1], 'E', 'W')?;
+    let elevation = match parts.get(2) {
+        None => 0.0,
+        Some(metres) => {
+            let metres = metres.trim();
+            let metres = metres.strip_suffix('m').unwrap_or(metres).trim_end();
+            number(metres)
+                .map_err(|_| format!("the elevation `{metres}` is no number of metres"))?
+        }
+    };
+    Site::new(latitude, longitude, elevation).map_err(|error| {
+        if latitude.abs() > 90.0 && longitude.abs() <= 90.0 {
+            let swapped = [parts[1], parts[0]].map(str::trim).join(",");
+            return format!(
+                "{}; {} (try --at {swapped})",
+                error.problem(),
+                error.remedy()
+            );
+        }
+        error.to_string()
+    })
+}
+
+/// Degrees with a sign or a letter of the compass.
+fn degrees(text: &str, positive: char, negative: char) -> Result<f64, String> {
+    let text = text.trim();
+    let (body, letter) = match text.chars().last() {
+        Some(c) if c.is_ascii_alphabetic() => {
+            (&text[..text.len() - 1], Some(c.to_ascii_uppercase()))
+        }
+        _ => (text, None),
+    };
+    let body = body.trim_end().trim_end_matches('°');
+    let value = number(body).map_err(|_| format!("`{text}` is no number of degrees"))?;
+    match letter {
+        Some(_) if value < 0.0 => Err(format!(
+            "`{text}` has both a sign and a letter: leave out one"
+        )),
+        None => Ok(value),
+        Some(c) if c == positive => Ok(value),
+        Some(c) if c == negative => Ok(-value),
+        Some(c) => Err(format!(
+            "`{text}` ends in {c} where {positive} or {negative} was expected"
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places() {
+        let at =
+            |text: &str| site(text).map(|s| (s.latitude_deg(), s.longitude_deg(), s.elevation()));
+        assert_eq!(at("-33.86,151.2"), Ok((-33.86, 151.2, 0.0)));
+        assert_eq!(at("48.8584N, 2.2945E, 35"), Ok((48.8584, 2.2945, 35.0)));
+        assert_eq!(at("33.86S,70W,-5m"), Ok((-33.86, -70.0, -5.0)));
+        for bad in [
+            "--north", "-h", "1", "1,2,3,4", "1E,2N", "NaN,0", "1e400,0", "a,b", "-3S,0", "1,2,x",
+            "",
+        ] {
+            assert!(site(bad).is_err(), "{bad}");
+        }
+        assert!(
+            site("151.2,-33.86")
+                .unwrap_err()
+                .contains("--at -33.86,151.2")
+        );
+    }
+}

@@ -1,0 +1,181 @@
+//! `tyndall render`: a picture for a place, a date and a time.
+
+use crate::scene_args::{PlanArgs, SceneArgs};
+use crate::{stdout, tell};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+use tyndall::Result;
+use tyndall::colour::{Space, display, exposure, luminance};
+use tyndall::conditions::Conditions;
+use tyndall::frame::Frame;
+use tyndall::output::{self, Format, OutputSpace};
+use tyndall::plan::Plan;
+use tyndall::reference::{Reference, Rendered};
+
+/// Make a picture for a place, a date and a time
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    plan: PlanArgs,
+    /// What computes: auto takes the CPU reference
+    #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = ["auto", "reference"])]
+    backend: String,
+    /// A file to write, by its ending .png, .exr or .hdr; may be repeated [default: tyndall.png and tyndall.exr]
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// The layers of the EXR, separated by commas [default: all]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    layers: Vec<String>,
+    /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2 [default: the scene's, or auto]
+    #[arg(long, value_name = "auto|EV", allow_negative_numbers = true, value_parser = exposure_flag)]
+    exposure: Option<Exposure>,
+    /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
+    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
+    color_space: Space,
+    /// Write what was done to a JSON file
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// Print what was done as JSON
+    #[arg(long)]
+    json: bool,
+    /// The most memory that the picture may take, in GiB
+    #[arg(long, value_name = "GIB", default_value_t = 8.0)]
+    max_memory: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Exposure {
+    Auto,
+    Ev100(f64),
+}
+
+/// Renders.
+pub fn run(args: &RenderArgs) -> Result<()> {
+    let start = Instant::now();
+    let files = if args.output.is_empty() {
+        vec![PathBuf::from("tyndall.png"), PathBuf::from("tyndall.exr")]
+    } else {
+        args.output.clone()
+    };
+    let formats = output::check_targets(&files)?;
+    let layers = output::select_layers(&args.layers)?;
+    let conditions = args.scene.conditions()?;
+    let plan = Plan::new(&conditions, &args.plan.overrules())?;
+    tell::conditions(&conditions);
+    tell::plan(&plan);
+    let prepared = start.elapsed();
+
+    let bar = ProgressBar::new(1000).with_style(
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let reference = Reference::new(&plan);
+    let memory = (args.max_memory * f64::from(1 << 30)) as u64;
+    let mut rendered =
+        reference.render(memory, &|share| bar.set_position((1000.0 * share) as u64))?;
+    bar.finish_and_clear();
+
+    let writing = Instant::now();
+    let ev100 = ev100(args, &conditions, &rendered.frame);
+    record(&mut rendered.frame, &plan, ev100);
+    for (path, format) in files.iter().zip(&formats) {
+        let space = output_space(args.color_space);
+        match format {
+            Format::Exr => output::exr::write(path, &rendered.frame, &space, &layers)?,
+            Format::Hdr => output::hdr::write(path, &rendered.frame, &space)?,
+            Format::Png => {
+                let bytes = output::png::encode(&rendered.frame, |x, y, rgb| {
+                    display::encode(rgb, ev100, [x, y], true)
+                });
+                output::png::write(path, rendered.frame.width, rendered.frame.height, &bytes)?;
+            }
+        }
+    }
+    let stages = tell::stages(&rendered, prepared, writing.elapsed());
+    tell::rendered(&rendered, ev100, &stages);
+    tell::files(&files);
+    let report = report(&plan, &rendered, &stages, &files);
+    if let Some(path) = &args.report {
+        output::report::write(path, &report)?;
+    }
+    if args.json {
+        stdout::print_json(&report)?;
+    }
+    Ok(())
+}
+
+/// The exposure of the PNG: the flag's, the scene's, or what the picture's own luminances call for.
+fn ev100(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> f64 {
+    let scene = conditions.scene.picture.exposure_ev100;
+    match (args.exposure, scene) {
+        (Some(Exposure::Ev100(ev)), _) | (None, Some(ev)) => ev,
+        (Some(Exposure::Auto), _) | (None, None) => {
+            let luminances = (0..frame.pixels()).map(|i| luminance(frame.picture(i)));
+            // A black picture is black at any exposure.
+            exposure::auto(luminances).unwrap_or(0.0)
+        }
+    }
+}
+
+/// What the picture file says about itself.
+fn record(frame: &mut Frame, plan: &Plan, ev100: f64) {
+    let conditions = plan.conditions;
+    let record = &mut frame.record;
+    record.set("version", env!("CARGO_PKG_VERSION"));
+    for (name, value) in conditions.facts() {
+        record.set(name, value);
+    }
+    record.set("method", "exact lit runs (reference)");
+    for step in plan.running() {
+        for (knob, value) in &step.settings {
+            record.set(format!("{}.{knob}", step.effect.name), *value);
+        }
+    }
+    record.set("exposure_ev100", ev100);
+}
+
+fn report(
+    plan: &Plan,
+    rendered: &Rendered,
+    stages: &[(String, f64)],
+    files: &[PathBuf],
+) -> serde_json::Value {
+    json!({
+        "schema": 1,
+        "record": rendered.frame.record,
+        "warnings": plan.conditions.warnings,
+        "plan": tell::plan_json(plan),
+        "size": [rendered.frame.width, rendered.frame.height],
+        "refined_pixels": rendered.refined,
+        "stages": stages.iter().map(|(name, seconds)| json!({"name": name, "seconds": seconds})).collect::<Vec<_>>(),
+        "render_seconds": rendered.elapsed.as_secs_f64(),
+        "files": files,
+    })
+}
+
+fn output_space(space: Space) -> OutputSpace {
+    let c = space.chromaticities();
+    OutputSpace {
+        name: space.name(),
+        from_working: space.from_working(),
+        primaries: [c.red, c.green, c.blue].map(Into::into),
+        white: c.white.into(),
+    }
+}
+
+fn exposure_flag(text: &str) -> Result<Exposure, String> {
+    match text.parse::<f64>() {
+        _ if text == "auto" => Ok(Exposure::Auto),
+        Ok(ev) if (-20.0..=40.0).contains(&ev) => Ok(Exposure::Ev100(ev)),
+        _ => Err("auto, or an EV100 from -20 to 40, was expected".into()),
+    }
+}
+
+fn space(text: &str) -> Result<Space, String> {
+    text.parse().map_err(|e: tyndall::Error| e.remedy())
+}

@@ -1,0 +1,239 @@
+//! The flags that say what is to be seen, shared by every command that takes a scene.
+
+use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
+use clap::Args;
+use glam::DVec3;
+use std::path::PathBuf;
+use tyndall::Result;
+use tyndall::conditions::{CameraChoice, Conditions, Request};
+use tyndall::error::Error;
+use tyndall::plan::{Overrules, Quality};
+use tyndall::scene::{self, Camera, Projection, Scene, SiteEntry, SunEntry};
+use tyndall::units::DEG;
+
+/// A scene, and what is asked of it.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// The scene: TOML, glTF, GLB or OBJ [default: one that is built in]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    place: PlaceArgs,
+    #[command(flatten)]
+    time: TimeArgs,
+    #[command(flatten)]
+    ephemeris: SunArgs,
+    /// Put the sun there instead: degrees, azimuth from north through east; no refraction is added
+    #[arg(long, value_name = "AZ,EL", value_parser = pair, allow_hyphen_values = true)]
+    sun: Option<[f64; 2]>,
+    /// The azimuth that the scene's -Z axis faces (0 is north; then +X is east)
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    north: Option<f64>,
+    /// The sky: perez, preetham, hosek, cie:1 to cie:16
+    #[arg(long, value_name = "MODEL")]
+    sky: Option<String>,
+    /// Turbidity of the clear air: 2 is very clear, 3 ordinary, 6 hazy
+    #[arg(long, value_name = "T")]
+    turbidity: Option<f64>,
+    /// Direct-normal irradiance in W/m2, for the sky perez
+    #[arg(long, value_name = "W")]
+    direct_normal: Option<f64>,
+    /// Diffuse-horizontal irradiance in W/m2, for the sky perez
+    #[arg(long, value_name = "W")]
+    diffuse_horizontal: Option<f64>,
+    /// A camera of the scene by its name, or `inside`
+    #[arg(long, value_name = "NAME|inside", conflicts_with_all = ["eye", "target"])]
+    camera: Option<String>,
+    /// Where the eye is, in metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "target")]
+    eye: Option<DVec3>,
+    /// Where it looks
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "eye")]
+    target: Option<DVec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEG")]
+    fov: Option<f64>,
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Rays through each pixel that differs from a neighbour; 1 is one through each centre
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
+}
+
+/// How much accuracy is paid for, and what the user wants otherwise than the plan.
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    /// How fine: draft, preview, high or reference
+    #[arg(long, value_name = "QUALITY", default_value = "preview", value_parser = quality)]
+    pub quality: Quality,
+    /// Leave out effects that surely add less than this share of the picture's mean luminance
+    #[arg(long, value_name = "X")]
+    tolerance: Option<f64>,
+    /// Set a knob of an effect
+    #[arg(long, value_name = "EFFECT.KNOB=VALUE", value_parser = setting)]
+    set: Vec<(String, f64)>,
+    /// Run an effect that the plan would skip
+    #[arg(long, value_name = "EFFECT")]
+    force: Vec<String>,
+    /// Leave an effect out
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+}
+
+impl PlanArgs {
+    /// What these flags mean to a plan.
+    pub fn overrules(&self) -> Overrules {
+        Overrules {
+            quality: self.quality,
+            tolerance: self.tolerance,
+            set: self.set.clone(),
+            force: self.force.clone(),
+            without: self.without.clone(),
+        }
+    }
+}
+
+impl SceneArgs {
+    /// The conditions that scene and flags describe.
+    ///
+    /// # Errors
+    /// Those of [`scene::load`] and [`Conditions::new`].
+    pub fn conditions(&self) -> Result<Conditions> {
+        let mut scene = match &self.scene {
+            Some(path) => scene::load(path)?,
+            None => Scene::builtin(scene::BUILTIN[0])?,
+        };
+        self.place_and_time(&mut scene);
+        if let Some([azimuth_deg, elevation_deg]) = self.sun {
+            let light = scene.sun.take();
+            scene.sun = Some(SunEntry {
+                azimuth_deg,
+                elevation_deg,
+                illuminance: light.and_then(|sun| sun.illuminance),
+                diameter_deg: light.and_then(|sun| sun.diameter_deg),
+            });
+        }
+        if let Some(north) = self.north {
+            scene.north_deg = north;
+        }
+        let sky = &mut scene.sky;
+        if self.sky.is_some() {
+            sky.model.clone_from(&self.sky);
+        }
+        sky.turbidity = self.turbidity.or(sky.turbidity);
+        sky.direct_normal = self.direct_normal.or(sky.direct_normal);
+        sky.diffuse_horizontal = self.diffuse_horizontal.or(sky.diffuse_horizontal);
+        let request = Request {
+            size: self.size,
+            samples: self.samples,
+            camera: self.camera_choice(&mut scene)?,
+            tier: self.ephemeris.tier,
+            fold: self.time.fold,
+            time_scale: self.time.time_scale,
+            delta_t: self.time.delta_t,
+            pressure_hpa: self.ephemeris.pressure,
+            temperature_c: self.ephemeris.temperature,
+        };
+        Conditions::new(scene, &request)
+    }
+
+    /// Flags win over what the scene file says; a place or a time on the command line also wins over a sun of the file.
+    fn place_and_time(&self, scene: &mut Scene) {
+        if self.sun.is_none() && (self.place.at.is_some() || self.time.time.is_some()) {
+            scene.sun = None;
+        }
+        if let Some(site) = &self.place.at {
+            scene.site = Some(SiteEntry {
+                latitude_deg: site.latitude_deg(),
+                longitude_deg: site.longitude_deg(),
+                elevation: site.elevation(),
+                timezone: None,
+            });
+        }
+        if let (Some(zone), Some(site)) = (&self.time.tz, &mut scene.site) {
+            site.timezone = Some(zone.clone());
+        }
+        if self.time.time.is_some() {
+            scene.time.clone_from(&self.time.time);
+        }
+    }
+
+    fn camera_choice(&self, scene: &mut Scene) -> Result<CameraChoice> {
+        let fov_y = self.fov.map(|fov| fov * DEG);
+        let choice = match (&self.camera, self.eye, self.target) {
+            (_, Some(eye), Some(target)) => {
+                let fov_y = fov_y.unwrap_or(scene::framing::DEFAULT_FOV_Y_DEG * DEG);
+                return Ok(CameraChoice::Given(Camera::look_at(eye, target, fov_y)));
+            }
+            (Some(name), ..) if name == "inside" => CameraChoice::Inside,
+            (Some(name), ..) => CameraChoice::Named(name.clone()),
+            _ => CameraChoice::Scene,
+        };
+        // A field of view alone changes the camera that is there.
+        let Some(fov_y) = fov_y else {
+            return Ok(choice);
+        };
+        let cameras = scene.cameras.iter_mut().map(|named| &mut named.camera);
+        let mut changed = false;
+        for camera in cameras.chain(&mut scene.camera) {
+            if let Projection::Perspective { fov_y: present } = &mut camera.projection {
+                *present = fov_y;
+                changed = true;
+            }
+        }
+        if changed {
+            Ok(choice)
+        } else {
+            Err(Error::input(
+                "--fov",
+                "the scene has no perspective camera whose field of view could change",
+                "give --eye and --target too",
+            ))
+        }
+    }
+}
+
+fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
+    let values: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse::<f64>())
+        .collect::<Result<_, _>>()
+        .map_err(|_| format!("{form} was expected, in numbers"))?;
+    match <[f64; N]>::try_from(values) {
+        Ok(values) if values.iter().all(|v| v.is_finite()) => Ok(values),
+        _ => Err(format!("{form} was expected, {N} finite numbers")),
+    }
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    numbers(text, "AZ,EL")
+}
+
+fn triple(text: &str) -> Result<DVec3, String> {
+    numbers(text, "X,Y,Z").map(DVec3::from_array)
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parse = |part: &str| part.trim().parse().ok();
+    text.split_once(['x', 'X'])
+        .and_then(|(w, h)| Some([parse(w)?, parse(h)?]))
+        .ok_or_else(|| "WIDTHxHEIGHT was expected, as in 960x600".into())
+}
+
+fn quality(text: &str) -> Result<Quality, String> {
+    Quality::ALL
+        .into_iter()
+        .find(|quality| quality.name() == text)
+        .ok_or_else(|| "write draft, preview, high or reference".into())
+}
+
+fn setting(text: &str) -> Result<(String, f64), String> {
+    let (target, value) = text
+        .split_once('=')
+        .ok_or("EFFECT.KNOB=VALUE was expected, as in shafts.suns=16")?;
+    let value = value
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{value}` is no number"))?;
+    Ok((target.trim().to_owned(), value))
+}

@@ -1,0 +1,112 @@
+//! What is said on standard error: what was understood, decided and done.
+
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Duration;
+use tyndall::conditions::Conditions;
+use tyndall::effect::Contribution;
+use tyndall::plan::Plan;
+use tyndall::reference::Rendered;
+
+fn line(label: &str, text: impl std::fmt::Display) {
+    eprintln!("{label:<11}{text}");
+}
+
+/// Place, time, sun, sky, camera and warnings.
+pub fn conditions(conditions: &Conditions) {
+    for (label, text) in conditions.lines() {
+        line(label, text);
+    }
+    if conditions.camera_chosen.is_empty() {
+        line("camera", "none given; this one frames the scene:");
+        for part in conditions.camera.to_toml().lines() {
+            line("", part);
+        }
+    }
+    for warning in &conditions.warnings {
+        line("warning", warning);
+    }
+}
+
+/// Which effects run and why the others do not.
+pub fn plan(plan: &Plan) {
+    line(
+        "backend",
+        format!(
+            "reference (CPU, f64, {} threads)",
+            rayon::current_num_threads()
+        ),
+    );
+    let running: Vec<&str> = plan.running().map(|step| step.effect.name).collect();
+    line("effects", running.join(", "));
+    for step in plan.steps.iter().filter(|step| !step.decision.run) {
+        line(
+            "skipped",
+            format!("{}: {}", step.effect.name, step.decision.reason),
+        );
+    }
+}
+
+/// The plan for scripts.
+pub fn plan_json(plan: &Plan) -> serde_json::Value {
+    plan.steps
+        .iter()
+        .map(|step| {
+            let (kind, value) = match step.decision.contribution {
+                Contribution::Bound(value) => ("bound", finite(value)),
+                Contribution::Estimate(value) => ("estimate", finite(value)),
+                Contribution::Everything => ("everything", None),
+            };
+            json!({
+                "effect": step.effect.name,
+                "summary": step.effect.summary,
+                "run": step.decision.run,
+                "reason": step.decision.reason,
+                "contribution": { "kind": kind, "cd_per_m2": value },
+                "settings": step.settings.iter().map(|(k, v)| (k.to_string(), json!(v)))
+                    .collect::<serde_json::Map<_, _>>(),
+            })
+        })
+        .collect()
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// The stages of the work and their share of the wall time [s].
+pub fn stages(rendered: &Rendered, prepared: Duration, written: Duration) -> Vec<(String, f64)> {
+    let cpu: f64 = rendered.stages.iter().map(|s| s.time.as_secs_f64()).sum();
+    let wall = rendered.elapsed.as_secs_f64();
+    let mut stages = vec![("prepare".to_owned(), prepared.as_secs_f64())];
+    for stage in &rendered.stages {
+        let share = stage.time.as_secs_f64() / cpu.max(f64::MIN_POSITIVE);
+        stages.push((stage.effect.to_owned(), share * wall));
+    }
+    stages.push(("write".to_owned(), written.as_secs_f64()));
+    stages
+}
+
+/// How long it took.
+pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
+    let total: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
+    let parts: Vec<String> = stages
+        .iter()
+        .filter(|(_, seconds)| *seconds >= 0.05)
+        .map(|(name, seconds)| format!("{name} {seconds:.1}"))
+        .collect();
+    line("time", format!("{total:.1} s ({})", parts.join(", ")));
+    if rendered.refined > 0 {
+        line(
+            "samples",
+            format!("{} pixels at edges taken again", rendered.refined),
+        );
+    }
+    line("exposure", format!("EV100 {ev100:.2}"));
+}
+
+/// What was written.
+pub fn files(files: &[PathBuf]) {
+    let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+    line("wrote", names.join(", "));
+}

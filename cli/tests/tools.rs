@@ -1,0 +1,57 @@
+//! The commands that serve the others: doctor, completions, man.
+
+use std::process::{Command, Output};
+
+fn tyndall(arguments: &[&str]) -> Output {
+    // No driver at all: what these commands say must not depend on the machine.
+    Command::new(env!("CARGO_BIN_EXE_tyndall"))
+        .args(arguments)
+        .env("VK_DRIVER_FILES", "none")
+        .env("VK_ICD_FILENAMES", "none")
+        .output()
+        .expect("the program starts")
+}
+
+fn stdout(output: &Output) -> &str {
+    std::str::from_utf8(&output.stdout).expect("the output is UTF-8")
+}
+
+#[test]
+fn doctor_needs_no_driver() {
+    let output = tyndall(&["doctor"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(stdout(&output).contains("the CPU reference"));
+    let output = tyndall(&["doctor", "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
+    let adapters = json["adapters"].as_array().expect("a list of adapters");
+    if cfg!(target_os = "linux") {
+        assert!(adapters.is_empty(), "{adapters:?}");
+        let advice = json["advice"].as_array().expect("a list of sentences");
+        assert!(!advice.is_empty(), "nothing is said about what to install");
+    }
+    assert!(json["cores"].as_u64().is_some_and(|cores| cores > 0));
+}
+
+#[test]
+fn completions_know_the_commands() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let output = tyndall(&["completions", shell]);
+        assert_eq!(output.status.code(), Some(0), "{shell}");
+        assert!(stdout(&output).contains("doctor"), "{shell}");
+    }
+    assert_eq!(tyndall(&["completions", "tcsh"]).status.code(), Some(2));
+}
+
+#[test]
+fn manual_pages_are_printed() {
+    let program = tyndall(&["man"]);
+    assert_eq!(program.status.code(), Some(0));
+    assert!(stdout(&program).contains(".TH tyndall 1"));
+    let page = tyndall(&["man", "doctor"]);
+    assert!(stdout(&page).contains(".TH tyndall-doctor 1"));
+    assert!(stdout(&page).contains("JSON"));
+    let output = tyndall(&["man", "docter"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(output.stdout.is_empty() && !output.stderr.is_empty());
+}

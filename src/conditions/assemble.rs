@@ -1,0 +1,353 @@
+//! From a scene and what is asked of it to conditions.
+
+use super::{Conditions, GroundPlane, Sun, checks, toward};
+use crate::ephemeris::civil::{self, Fold, Moment, Reading};
+use crate::ephemeris::{self, Site, SunPosition, Tier, TimeScale, sun_position};
+use crate::error::{Error, Result, nearest};
+use crate::medium::Air;
+use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
+use crate::sky::sun::{SunPath, visible_part};
+use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
+use crate::units::{DEG, SUN_DIAMETER};
+use glam::DVec3;
+
+/// What is asked of a scene beside what it says itself.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// Width and height of the picture [pixels]; absent: the scene's, or 960 x 600.
+    pub size: Option<[u32; 2]>,
+    /// Rays through pixels that differ from a neighbour; absent: the scene's, or 1.
+    pub samples: Option<u32>,
+    /// The camera.
+    pub camera: CameraChoice,
+    /// The ephemeris.
+    pub tier: Tier,
+    /// Which reading of a time that a clock change skips or repeats.
+    pub fold: Option<Fold>,
+    /// The scale of a Julian date.
+    pub time_scale: TimeScale,
+    /// TT - UT1 [s]; absent: tabulated.
+    pub delta_t: Option<f64>,
+    /// Air pressure at the site [hPa]; absent: the standard atmosphere's.
+    pub pressure_hpa: Option<f64>,
+    /// Air temperature at the site [degrees Celsius]; absent: the standard atmosphere's.
+    pub temperature_c: Option<f64>,
+}
+
+/// Which camera.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum CameraChoice {
+    /// The scene file's own, else the mesh's first, else one that frames everything.
+    #[default]
+    Scene,
+    /// One of the mesh's, by name.
+    Named(String),
+    /// One inside the scene's bounds.
+    Inside,
+    /// This one.
+    Given(Camera),
+}
+
+/// Place, time, and where that puts the sun.
+#[derive(Debug, Clone)]
+pub struct Instant {
+    /// The place.
+    pub site: Site,
+    /// The time and how it was read.
+    pub moment: Moment,
+    /// Where the sun is.
+    pub position: SunPosition,
+    /// How that was found.
+    pub tier: Tier,
+}
+
+impl Conditions {
+    /// Checks everything that a scene says and prepares it for the effects.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a number outside the range in which its equations hold, [`Error::Input`] for what is missing or
+    /// contradicts itself.
+    pub fn new(scene: Scene, request: &Request) -> Result<Self> {
+        let size = request.size.or(scene.picture.size).unwrap_or([960, 600]);
+        let samples = request.samples.or(scene.picture.samples).unwrap_or(1);
+        checks::picture(size, samples)?;
+        let geometry = Geometry::new(&scene);
+        let (camera, camera_chosen) = camera(&scene, &request.camera, size)?;
+        let mut warnings = scene.warnings.clone();
+        let height = scene.ground.height.unwrap_or(geometry.bounds().0.y);
+        checks::ground(&scene.ground, height)?;
+        for (index, medium) in scene.media.iter().enumerate() {
+            checks::medium(index, medium, height)?;
+        }
+        if !scene.north_deg.is_finite() {
+            return Err(Error::domain(
+                "north",
+                scene.north_deg,
+                "any finite number of degrees",
+                "give the azimuth that the scene's -Z faces",
+            ));
+        }
+        let north = scene.north_deg * DEG;
+        let ground_albedo = if scene.ground.enabled {
+            scene.ground.albedo
+        } else {
+            0.2
+        };
+        let (sun, sky, instant) = match &scene.sun {
+            Some(entry) => {
+                let (sun, sky) = given_sun(&scene, entry, north, ground_albedo)?;
+                (sun, sky, None)
+            }
+            None => {
+                let instant = instant(&scene, request)?;
+                warnings.extend(instant.moment.warnings.iter().cloned());
+                let (sun, sky) = real_sun(&scene, &instant, north, ground_albedo)?;
+                (sun, Some(sky), Some(instant))
+            }
+        };
+        if let Some(sky) = &sky {
+            warnings.extend(sky.warnings().iter().cloned());
+        }
+        if !scene.lights.is_empty() {
+            warnings.push(unused_lights(&scene));
+        }
+        Ok(Conditions {
+            geometry,
+            camera,
+            camera_chosen,
+            size,
+            samples,
+            sun,
+            sky,
+            instant,
+            ground: scene.ground.enabled.then_some(GroundPlane {
+                height,
+                albedo: DVec3::splat(scene.ground.albedo),
+            }),
+            air: Air {
+                media: scene.media.clone(),
+                ground: height,
+            },
+            warnings,
+            scene,
+        })
+    }
+}
+
+/// The sun that the user put somewhere, and the sky if there is to be one.
+fn given_sun(
+    scene: &Scene,
+    entry: &SunEntry,
+    north: f64,
+    albedo: f64,
+) -> Result<(Sun, Option<Sky>)> {
+    checks::sun(entry)?;
+    let elevation = entry.elevation_deg * DEG;
+    let toward = toward(entry.azimuth_deg * DEG, elevation, north);
+    let angular_radius = 0.5 * entry.diameter_deg.map_or(SUN_DIAMETER, |d| d * DEG);
+    let at = SunAt {
+        elevation_true: elevation,
+        ..SunAt::unrefracted(toward)
+    };
+    let wants_sky = entry.illuminance.is_none() || scene.sky.model.is_some();
+    let sky = wants_sky
+        .then(|| Sky::new(model(&scene.sky, albedo)?, at))
+        .transpose()?;
+    let light = match (entry.illuminance, &sky) {
+        (Some(illuminance), _) => {
+            let share = if angular_radius > 0.0 {
+                visible_part(elevation, angular_radius).0
+            } else {
+                f64::from(u8::from(elevation > 0.0))
+            };
+            let full = DVec3::splat(illuminance);
+            SunLight {
+                illuminance: share * full,
+                visible_share: share,
+                ..SunLight::of_illuminance(full, angular_radius, elevation)
+            }
+        }
+        (None, Some(sky)) => sky.sunlight(&SunPath::standard(elevation, turbidity(&scene.sky)))?,
+        (None, None) => unreachable!("a sun without illuminance has a sky"),
+    };
+    let sun = Sun {
+        toward,
+        light,
+        angular_radius,
+        limb_darkening: entry.diameter_deg.is_none(),
+    };
+    Ok((sun, sky))
+}
+
+/// The sun of a place and a time, and its sky.
+fn real_sun(scene: &Scene, instant: &Instant, north: f64, albedo: f64) -> Result<(Sun, Sky)> {
+    let position = &instant.position;
+    let toward = toward(position.azimuth, position.elevation_apparent, north);
+    let sky = Sky::new(
+        model(&scene.sky, albedo)?,
+        SunAt {
+            toward_sun: toward,
+            elevation_true: position.elevation_true,
+            distance_au: position.distance_au,
+            site_elevation: instant.site.elevation(),
+        },
+    )?;
+    let path = SunPath {
+        distance_au: position.distance_au,
+        pressure_hpa: ephemeris::Air::standard(&instant.site).pressure_hpa(),
+        ..SunPath::standard(position.elevation_apparent, turbidity(&scene.sky))
+    };
+    let sun = Sun {
+        toward,
+        light: sky.sunlight(&path)?,
+        angular_radius: position.angular_radius,
+        limb_darkening: true,
+    };
+    Ok((sun, sky))
+}
+
+/// The scene's place and time, and where the sun stands then.
+fn instant(scene: &Scene, request: &Request) -> Result<Instant> {
+    let missing = match (&scene.site, &scene.time) {
+        (Some(entry), Some(time)) => return read_instant(entry, time, request),
+        (None, Some(_)) => "it has a time but no place",
+        (Some(_), None) => "it has a place but no time",
+        (None, None) => "it has neither place and time nor a sun of its own",
+    };
+    let mut remedy = "give --at LAT,LON and --time T, or --sun AZ,EL".to_owned();
+    let light = scene
+        .lights
+        .iter()
+        .find(|light| light.kind == PunctualKind::Directional);
+    if let Some(light) = light {
+        let from = -light.direction;
+        let azimuth = from.x.atan2(-from.z) / DEG + scene.north_deg;
+        let elevation = from.y.atan2(from.x.hypot(from.z)) / DEG;
+        remedy += &format!(
+            "; its directional light `{}` would be --sun {:.1},{:.1}",
+            light.name,
+            azimuth.rem_euclid(360.0),
+            elevation
+        );
+    }
+    Err(Error::input(
+        &scene.name,
+        format!("the scene has no sun: {missing}"),
+        remedy,
+    ))
+}
+
+fn read_instant(entry: &crate::scene::SiteEntry, time: &str, request: &Request) -> Result<Instant> {
+    let site = Site::new(entry.latitude_deg, entry.longitude_deg, entry.elevation)?;
+    let moment = civil::resolve_with(
+        time,
+        &Reading {
+            zone: entry.timezone.as_deref(),
+            site: Some(&site),
+            fold: request.fold,
+            scale: request.time_scale,
+            delta_t: request.delta_t,
+        },
+    )?;
+    let standard = ephemeris::Air::standard(&site);
+    let air = ephemeris::Air::new(
+        request.pressure_hpa.unwrap_or(standard.pressure_hpa()),
+        request.temperature_c.unwrap_or(standard.temperature_c()),
+    )?;
+    Ok(Instant {
+        position: sun_position(request.tier, &moment.instant, &site, &air),
+        site,
+        moment,
+        tier: request.tier,
+    })
+}
+
+fn turbidity(entry: &SkyEntry) -> f64 {
+    entry.turbidity.unwrap_or(DEFAULT_TURBIDITY)
+}
+
+/// The sky model that an entry names.
+fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
+    let turbidity = turbidity(entry);
+    let irradiance = match (entry.direct_normal, entry.diffuse_horizontal) {
+        (Some(direct_normal), Some(diffuse_horizontal)) => Some(Irradiance {
+            direct_normal,
+            diffuse_horizontal,
+        }),
+        (None, None) => None,
+        _ => {
+            return Err(Error::input(
+                "the sky's direct_normal and diffuse_horizontal",
+                "only one of the two is given",
+                "give both in W/m2, or neither",
+            ));
+        }
+    };
+    Model::named(
+        entry.model.as_deref().unwrap_or("perez"),
+        turbidity,
+        irradiance,
+        albedo,
+    )
+}
+
+fn unused_lights(scene: &Scene) -> String {
+    let names: Vec<String> = scene
+        .lights
+        .iter()
+        .map(|light| {
+            let (kind, unit) = match light.kind {
+                PunctualKind::Directional => ("directional", "lx"),
+                PunctualKind::Point => ("point", "cd"),
+                PunctualKind::Spot { .. } => ("spot", "cd"),
+            };
+            format!(
+                "`{}` ({kind}, {:.0} {unit})",
+                light.name,
+                light.color.max_element()
+            )
+        })
+        .collect();
+    format!("lights of the file that are not used: {}", names.join(", "))
+}
+
+/// The camera, and where it comes from.
+fn camera(scene: &Scene, choice: &CameraChoice, size: [u32; 2]) -> Result<(Camera, String)> {
+    let bounds = scene.mesh.bounds().unwrap_or_default();
+    let (camera, origin) = match choice {
+        CameraChoice::Given(camera) => (*camera, "given".to_owned()),
+        CameraChoice::Inside => (Camera::inside(bounds), "inside the bounds".into()),
+        CameraChoice::Named(name) => {
+            let names = scene.cameras.iter().map(|c| c.name.as_str());
+            match scene.cameras.iter().find(|c| c.name == *name) {
+                Some(found) => (found.camera, format!("`{name}` of the file")),
+                None => {
+                    let remedy = match (nearest(name, names.clone()), names.clone().next()) {
+                        (Some(near), _) => format!("did you mean `{near}`?"),
+                        (None, Some(_)) => {
+                            format!("it has {}", names.collect::<Vec<_>>().join(", "))
+                        }
+                        (None, None) => {
+                            "it has none: use --camera inside, or --eye and --target".into()
+                        }
+                    };
+                    return Err(Error::input(
+                        format!("--camera {name}"),
+                        "the scene has no camera of that name",
+                        remedy,
+                    ));
+                }
+            }
+        }
+        CameraChoice::Scene => match (&scene.camera, scene.cameras.first()) {
+            (Some(camera), _) => (*camera, "the scene file's".into()),
+            (None, Some(first)) => (first.camera, format!("`{}` of the file", first.name)),
+            (None, None) => {
+                let aspect = f64::from(size[0]) / f64::from(size[1]);
+                (Camera::around(bounds, aspect), String::new())
+            }
+        },
+    };
+    checks::camera(&camera)?;
+    Ok((camera, origin))
+}

@@ -1,0 +1,206 @@
+//! The domains of what a user can say.
+
+use crate::error::{Error, Result};
+use crate::medium::{Medium, Phase, Shape};
+use crate::scene::{Camera, Ground, Projection, SunEntry};
+use crate::units::DEG;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Checks a medium's numbers.
+pub(super) fn medium(index: usize, medium: &Medium, ground: f64) -> Result<()> {
+    let name = |key: &str| format!("medium {}: {key}", index + 1);
+    let coefficient = |key: &str, value: DVec3| {
+        if value.min_element() >= 0.0 && value.max_element() <= 1e12 {
+            Ok(())
+        } else {
+            Err(Error::domain(
+                name(key),
+                format!("{value} 1/m"),
+                "0 to 1e12 1/m",
+                "give the coefficient per metre",
+            ))
+        }
+    };
+    coefficient("scattering", medium.scattering)?;
+    coefficient("absorption", medium.absorption)?;
+    match medium.phase {
+        Phase::HenyeyGreenstein { g } | Phase::CornetteShanks { g } if !(g.abs() <= 0.9999) => {
+            return Err(Error::domain(
+                name("g"),
+                g,
+                "-0.9999 to 0.9999",
+                "0.6 to 0.9 is usual for haze and fog",
+            ));
+        }
+        _ => {}
+    }
+    match medium.shape {
+        Shape::Box { min, max }
+            if !(min.is_finite() && max.is_finite() && min.cmplt(max).all()) =>
+        {
+            Err(Error::domain(
+                name("min, max"),
+                format!("{min}, {max} m"),
+                "min below max on every axis",
+                "give two opposite corners, the least coordinates first",
+            ))
+        }
+        Shape::Haze { top } if !(top.is_finite() && top > ground) => Err(Error::domain(
+            name("top"),
+            format!("{top} m"),
+            format!("above the ground at {ground} m"),
+            "raise it, or set the ground's height",
+        )),
+        Shape::Height {
+            base,
+            scale_height,
+            far,
+        } if !(base.is_finite()
+            && scale_height.is_finite()
+            && scale_height > 0.0
+            && far.is_finite()
+            && far > 0.0) =>
+        {
+            Err(Error::domain(
+                name("base, scale_height, far"),
+                format!("{base}, {scale_height}, {far} m"),
+                "scale_height and far above 0, all finite",
+                "8000 m is the scale height of clear air, 1200 m that of haze",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks a camera's numbers.
+pub(super) fn camera(camera: &Camera) -> Result<()> {
+    if !camera.eye.is_finite() {
+        return Err(Error::domain(
+            "the camera's eye",
+            camera.eye,
+            "finite coordinates",
+            "give --eye X,Y,Z in metres",
+        ));
+    }
+    if !(camera.forward.is_finite() && camera.forward.length() > 0.0 && camera.up.is_finite()) {
+        return Err(Error::domain(
+            "the camera's direction",
+            camera.forward,
+            "a direction",
+            "give a --target that is not the eye itself",
+        ));
+    }
+    match camera.projection {
+        Projection::Perspective { fov_y } if !(fov_y > 0.0 && fov_y < PI) => Err(Error::domain(
+            "the camera's fov_y",
+            format!("{} degrees", fov_y / DEG),
+            "above 0 and below 180 degrees",
+            "30 to 70 is usual",
+        )),
+        Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+            Err(Error::domain(
+                "the camera's height",
+                format!("{height} m"),
+                "above 0",
+                "give the height of what is seen, in metres",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks the picture's size and samples.
+pub(super) fn picture(size: [u32; 2], samples: u32) -> Result<()> {
+    if size.contains(&0) || size.iter().any(|s| *s > 65_536) {
+        return Err(Error::domain(
+            "the picture's size",
+            format!("{} x {} pixels", size[0], size[1]),
+            "1 to 65536 on each side",
+            "give --size WIDTHxHEIGHT",
+        ));
+    }
+    if !(1..=4096).contains(&samples) {
+        return Err(Error::domain(
+            "samples",
+            samples,
+            "1 to 4096",
+            "8 is usual, 64 is fine",
+        ));
+    }
+    Ok(())
+}
+
+/// Checks the ground.
+pub(super) fn ground(ground: &Ground, height: f64) -> Result<()> {
+    if !height.is_finite() {
+        return Err(Error::domain(
+            "the ground's height",
+            format!("{height} m"),
+            "any finite height",
+            "leave it out for the scene's lowest point",
+        ));
+    }
+    if !(0.0..=1.0).contains(&ground.albedo) {
+        return Err(Error::domain(
+            "the ground's albedo",
+            ground.albedo,
+            "0 to 1",
+            "0.2 is usual, fresh snow is 0.8",
+        ));
+    }
+    Ok(())
+}
+
+/// Checks a sun that the user put somewhere.
+pub(super) fn sun(entry: &SunEntry) -> Result<()> {
+    let within = |name: &str, value: f64, low: f64, high: f64, unit: &str, remedy: &str| {
+        if (low..=high).contains(&value) {
+            Ok(())
+        } else {
+            Err(Error::domain(
+                name,
+                format!("{value} {unit}"),
+                format!("{low} to {high} {unit}"),
+                remedy,
+            ))
+        }
+    };
+    within(
+        "the sun's azimuth",
+        entry.azimuth_deg,
+        -3600.0,
+        3600.0,
+        "degrees",
+        "give it from north through east",
+    )?;
+    within(
+        "the sun's elevation",
+        entry.elevation_deg,
+        -90.0,
+        90.0,
+        "degrees",
+        "give it above the horizon",
+    )?;
+    if let Some(diameter) = entry.diameter_deg {
+        within(
+            "the sun's diameter",
+            diameter,
+            0.0,
+            90.0,
+            "degrees",
+            "the real one is 0.533, a point is 0",
+        )?;
+    }
+    if let Some(illuminance) = entry.illuminance {
+        within(
+            "the sun's illuminance",
+            illuminance,
+            0.0,
+            1e9,
+            "lx",
+            "the real one gives up to 1.3e5",
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,144 @@
+//! Conditions in words, for people and for files.
+
+use super::Conditions;
+use crate::colour::luminance;
+use crate::ephemeris::{self, Absence, DayEvents, HORIZON};
+use crate::frame::Value;
+use crate::units::DEG;
+
+impl Conditions {
+    /// What was understood, as labels and sentences.
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = vec![(
+            "scene",
+            format!(
+                "{} ({} triangles)",
+                self.scene.name,
+                self.scene.mesh.triangles.len()
+            ),
+        )];
+        if let Some(instant) = &self.instant {
+            let (site, moment) = (&instant.site, &instant.moment);
+            let letter = |value: f64, positive: char, negative: char| {
+                let letter = if value < 0.0 { negative } else { positive };
+                format!("{}{letter}", value.abs())
+            };
+            lines.push((
+                "place",
+                format!(
+                    "{} {}, {} m above the sea",
+                    letter(site.latitude_deg(), 'N', 'S'),
+                    letter(site.longitude_deg(), 'E', 'W'),
+                    site.elevation()
+                ),
+            ));
+            lines.push((
+                "instant",
+                format!(
+                    "{} UTC, {} local ({})",
+                    moment.utc.format("%Y-%m-%d %H:%M:%S"),
+                    moment.local().format("%Y-%m-%d %H:%M:%S %:z"),
+                    moment.offset_source
+                ),
+            ));
+        }
+        let azimuth = self.sun_azimuth_deg();
+        let elevation = self.sun_elevation_deg();
+        let how = match &self.instant {
+            Some(instant) => format!("apparent, tier {}", instant.tier),
+            None => "as given".into(),
+        };
+        lines.push((
+            "sun",
+            format!(
+                "azimuth {azimuth:.3}, elevation {elevation:.3} degrees ({how}); {:.0} lx facing it",
+                self.sun.illuminance_lux()
+            ),
+        ));
+        if let Some(day) = self.day_line() {
+            lines.push(("day", day));
+        }
+        if let Some(sky) = &self.sky {
+            lines.push((
+                "sky",
+                format!(
+                    "{}; {:.0} lx on open ground",
+                    sky.describe(),
+                    luminance(sky.horizontal_illuminance())
+                ),
+            ));
+        }
+        lines
+    }
+
+    /// Azimuth of the sun [degrees], from north through east, 0 to 360.
+    pub fn sun_azimuth_deg(&self) -> f64 {
+        let toward = self.sun.toward;
+        (toward.x.atan2(-toward.z) / DEG + self.scene.north_deg).rem_euclid(360.0)
+    }
+
+    /// Apparent elevation of the sun [degrees].
+    pub fn sun_elevation_deg(&self) -> f64 {
+        let toward = self.sun.toward;
+        toward.y.atan2(toward.x.hypot(toward.z)) / DEG
+    }
+
+    /// What a picture file says about itself: names and values.
+    pub fn facts(&self) -> Vec<(&'static str, Value)> {
+        let mut facts: Vec<(&'static str, Value)> = vec![("scene", self.scene.name.clone().into())];
+        if let Some(instant) = &self.instant {
+            let utc = instant
+                .moment
+                .utc
+                .format("%Y-%m-%dT%H:%M:%S%.fZ")
+                .to_string();
+            facts.push(("utc", utc.into()));
+            facts.push(("latitude_deg", instant.site.latitude_deg().into()));
+            facts.push(("longitude_deg", instant.site.longitude_deg().into()));
+            facts.push(("elevation_m", instant.site.elevation().into()));
+            facts.push(("ephemeris_tier", instant.tier.to_string().into()));
+            facts.push((
+                "sun_elevation_true_deg",
+                instant.position.elevation_true_deg().into(),
+            ));
+        }
+        facts.push(("north_deg", self.scene.north_deg.into()));
+        facts.push(("sun_azimuth_deg", self.sun_azimuth_deg().into()));
+        facts.push(("sun_elevation_deg", self.sun_elevation_deg().into()));
+        facts.push(("sun_illuminance_lx", self.sun.illuminance_lux().into()));
+        facts.push((
+            "sun_angular_diameter_deg",
+            (2.0 * self.sun.angular_radius / DEG).into(),
+        ));
+        match &self.sky {
+            None => facts.push(("sky", "none".into())),
+            Some(sky) => {
+                facts.push(("sky", sky.name().into()));
+                facts.push(("sky_description", sky.describe().into()));
+            }
+        }
+        facts
+    }
+
+    /// Sunrise and sunset of the site's date.
+    fn day_line(&self) -> Option<String> {
+        let instant = self.instant.as_ref()?;
+        let clock = &instant.moment.clock;
+        let date = clock.local(instant.moment.utc).date_naive();
+        let tier = instant.tier;
+        let events = DayEvents::new(date, clock, &instant.site, tier, HORIZON, None).ok()?;
+        let local =
+            |at: ephemeris::Instant| clock.local(at.to_utc()).format("%H:%M:%S").to_string();
+        let event = |name: &str, found: Result<ephemeris::Instant, Absence>| match found {
+            Ok(at) => format!("{name} {}", local(at)),
+            Err(Absence::AboveAllDay) => format!("no {name} (the sun stays up)"),
+            Err(Absence::BelowAllDay) => format!("no {name} (the sun stays down)"),
+            Err(Absence::OtherDate) => format!("no {name} on this date"),
+        };
+        Some(format!(
+            "{}, {} (local time)",
+            event("sunrise", events.day.rise()),
+            event("sunset", events.day.set())
+        ))
+    }
+}

@@ -1,0 +1,129 @@
+//! What physics makes of a scene: the sun, the sky, the air, all in their domains.
+//!
+//! This is the one place where domains are checked; everything behind it may rely on them.
+
+mod assemble;
+mod checks;
+mod lines;
+mod sun;
+
+pub use assemble::{CameraChoice, Instant, Request};
+pub use sun::{Sun, SunPoint};
+
+use crate::colour::luminance;
+use crate::medium::{Air, Shape};
+use crate::scene::{Camera, Geometry, Ray, Scene};
+use crate::sky::Sky;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Everything that effects need to know, in SI units and scene axes.
+pub struct Conditions {
+    /// The scene: meshes, materials, textures.
+    pub scene: Scene,
+    /// What stands in the way of light.
+    pub geometry: Geometry,
+    /// The camera.
+    pub camera: Camera,
+    /// Where the camera comes from, in words; empty when nobody chose it and it frames the bounds.
+    pub camera_chosen: String,
+    /// Width and height of the picture [pixels].
+    pub size: [u32; 2],
+    /// Rays through pixels that differ from their neighbours; 1: one through each centre.
+    pub samples: u32,
+    /// The sun.
+    pub sun: Sun,
+    /// The sky, if there is one.
+    pub sky: Option<Sky>,
+    /// Place and time, unless the user put the sun where it is.
+    pub instant: Option<Instant>,
+    /// The endless ground, if there is one.
+    pub ground: Option<GroundPlane>,
+    /// The media.
+    pub air: Air,
+    /// What was left out, is doubtful or approximate, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// The endless plane below everything.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GroundPlane {
+    /// Height [m].
+    pub height: f64,
+    /// Reflectance, 0 to 1.
+    pub albedo: DVec3,
+}
+
+/// Unit vector toward an azimuth and an elevation [rad] in the axes of a scene whose -Z faces the azimuth `north` [rad].
+pub fn toward(azimuth: f64, elevation: f64, north: f64) -> DVec3 {
+    let (sin_a, cos_a) = (azimuth - north).sin_cos();
+    let (sin_e, cos_e) = elevation.sin_cos();
+    DVec3::new(cos_e * sin_a, sin_e, -cos_e * cos_a)
+}
+
+impl Conditions {
+    /// Distance at which a ray ends: at its surface, or where the air does.
+    pub fn ray_end(&self, ray: &Ray, distance: f64) -> f64 {
+        if distance.is_finite() {
+            distance
+        } else {
+            self.air.end(ray.origin, ray.direction)
+        }
+    }
+
+    /// A typical luminance of the picture [cd/m2]: open ground of albedo 0.2. An estimate to compare contributions with.
+    pub fn typical_luminance(&self) -> f64 {
+        let sun = self.sun.illuminance_lux() * self.sun.toward.y.max(0.0);
+        let sky = self
+            .sky
+            .as_ref()
+            .map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
+        0.2 / PI * (sun + sky)
+    }
+
+    /// No ray through the air has a greater optical depth [1].
+    pub fn greatest_optical_depth(&self) -> f64 {
+        self.air
+            .media
+            .iter()
+            .map(|medium| {
+                let length = match medium.shape {
+                    Shape::Box { min, max } => (max - min).length(),
+                    Shape::Haze { .. } | Shape::Height { .. } => f64::INFINITY,
+                };
+                let extinction = medium.extinction().max_element();
+                if extinction == 0.0 {
+                    0.0
+                } else {
+                    extinction * length
+                }
+            })
+            .sum()
+    }
+
+    /// The media in words.
+    pub fn media_phrase(&self) -> String {
+        let count = |name: &str, is: fn(&Shape) -> bool| match self
+            .air
+            .media
+            .iter()
+            .filter(|m| is(&m.shape))
+            .count()
+        {
+            0 => None,
+            1 => Some(name.to_owned()),
+            n => Some(format!("{n} x {name}")),
+        };
+        [
+            count("a box of haze", |s| matches!(s, Shape::Box { .. })),
+            count("haze", |s| matches!(s, Shape::Haze { .. })),
+            count("air that thins with height", |s| {
+                matches!(s, Shape::Height { .. })
+            }),
+        ]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" and ")
+    }
+}

@@ -1,0 +1,29 @@
+//! What reaches the eye: light from surfaces and from the background passes the air on its way.
+//!
+//! L = tau (L_sun + L_sky + L_lights + L_background) + L_inscatter. The air's own layers hold their attenuation already.
+
+use super::{Contribution, Decision, Effect, Field};
+
+/// Light through the air to the eye.
+pub const COMPOSE: Effect = Effect {
+    name: "compose",
+    summary: "light of surfaces and background through the air to the eye",
+    reads: &[
+        Field::Sun,
+        Field::Sky,
+        Field::Lights,
+        Field::Background,
+        Field::Transmittance,
+    ],
+    writes: &[],
+    remembers: false,
+    knobs: &[],
+    decide: |_| Decision::run("always", Contribution::Everything),
+    reference: |_, _| {
+        Box::new(|fields| {
+            for layer in [Field::Sun, Field::Sky, Field::Lights, Field::Background] {
+                fields.multiply(layer, Field::Transmittance);
+            }
+        })
+    },
+};

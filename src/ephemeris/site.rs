@@ -1,0 +1,212 @@
+//! Where the observer stands, and the air that bends the light there.
+
+use super::refraction;
+use crate::error::{Error, Result};
+use crate::units::{DEG, STANDARD_PRESSURE_HPA};
+
+/// The ratio of the earth's polar to its equatorial radius (WGS84, f = 1/298.257223563).
+const AXIS_RATIO: f64 = 1.0 - 1.0 / 298.257_223_563;
+/// The earth's equatorial radius [m] (WGS84).
+pub(super) const EARTH_RADIUS: f64 = 6_378_137.0;
+
+/// A place on the earth: geodetic latitude, longitude and height on WGS84.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    latitude_deg: f64,
+    longitude_deg: f64,
+    elevation: f64,
+    /// Sine and cosine of the latitude.
+    pub(super) sin_latitude: f64,
+    pub(super) cos_latitude: f64,
+    /// Distance from the earth's axis and from the equator's plane [equatorial radii].
+    pub(super) axial: f64,
+    pub(super) polar: f64,
+}
+
+impl Site {
+    /// A place: latitude in [-90, 90] degrees north, longitude in degrees east (any number of turns, wrapped into
+    /// [-180, 180)), elevation in metres above sea level in [-12 000, 100 000].
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a value outside its range or not finite.
+    pub fn new(latitude_deg: f64, longitude_deg: f64, elevation: f64) -> Result<Self> {
+        if !(-90.0..=90.0).contains(&latitude_deg) {
+            return Err(Error::domain(
+                "latitude",
+                format!("{latitude_deg} degrees"),
+                "-90 to 90 degrees",
+                "were latitude and longitude swapped?",
+            ));
+        }
+        if !longitude_deg.is_finite() {
+            return Err(Error::domain(
+                "longitude",
+                format!("{longitude_deg} degrees"),
+                "any finite number of degrees east",
+                "give the longitude as a number, negative to the west",
+            ));
+        }
+        if !(-12_000.0..=100_000.0).contains(&elevation) {
+            return Err(Error::domain(
+                "elevation",
+                format!("{elevation} m"),
+                "-12000 to 100000 m above sea level",
+                "give the site's height in metres",
+            ));
+        }
+        let wrapped = (longitude_deg + 180.0).rem_euclid(360.0) - 180.0;
+        // What is in range already keeps its every bit.
+        let longitude_deg = if (-180.0..180.0).contains(&longitude_deg) {
+            longitude_deg
+        } else if wrapped < 180.0 {
+            wrapped
+        } else {
+            -180.0
+        };
+        let (sin_latitude, cos_latitude) = (latitude_deg * DEG).sin_cos();
+        // The point of the ellipsoid under the site by its reduced latitude u, tan u = (b/a) tan(latitude).
+        let (sin_u, cos_u) = (AXIS_RATIO * sin_latitude).atan2(cos_latitude).sin_cos();
+        let height = elevation / EARTH_RADIUS;
+        Ok(Self {
+            latitude_deg,
+            longitude_deg,
+            elevation,
+            sin_latitude,
+            cos_latitude,
+            axial: cos_u + height * cos_latitude,
+            polar: AXIS_RATIO * sin_u + height * sin_latitude,
+        })
+    }
+
+    /// The geodetic latitude [degrees], north positive, in [-90, 90].
+    pub fn latitude_deg(&self) -> f64 {
+        self.latitude_deg
+    }
+
+    /// The longitude [degrees], east positive, in [-180, 180).
+    pub fn longitude_deg(&self) -> f64 {
+        self.longitude_deg
+    }
+
+    /// The height above sea level [m]; geoid and ellipsoid are not told apart (at most 107 m, 0.0001 arcseconds).
+    pub fn elevation(&self) -> f64 {
+        self.elevation
+    }
+}
+
+/// The air at the site, as far as it bends light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Air {
+    pressure_hpa: f64,
+    temperature_c: f64,
+    /// How much stronger this air bends than that of 1010 hPa and 10 degrees.
+    pub(super) density: f64,
+}
+
+impl Air {
+    /// Air of a pressure [hPa] in [0, 2000] (0: no refraction) and a temperature [degrees C] in [-150, 100].
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a value outside its range.
+    pub fn new(pressure_hpa: f64, temperature_c: f64) -> Result<Self> {
+        if !(0.0..=2000.0).contains(&pressure_hpa) {
+            return Err(Error::domain(
+                "pressure",
+                format!("{pressure_hpa} hPa"),
+                "0 to 2000 hPa",
+                "give the station's own pressure in hPa (mbar), 1013.25 at sea level",
+            ));
+        }
+        if !(-150.0..=100.0).contains(&temperature_c) {
+            return Err(Error::domain(
+                "temperature",
+                format!("{temperature_c} degrees C"),
+                "-150 to 100 degrees C",
+                "give the air's temperature in degrees Celsius",
+            ));
+        }
+        Ok(Self {
+            pressure_hpa,
+            temperature_c,
+            density: refraction::density(pressure_hpa, temperature_c),
+        })
+    }
+
+    /// The standard atmosphere at the site's elevation.
+    pub fn standard(site: &Site) -> Self {
+        let (pressure_hpa, temperature_c) = standard_atmosphere(site.elevation);
+        Self {
+            pressure_hpa,
+            temperature_c,
+            density: refraction::density(pressure_hpa, temperature_c),
+        }
+    }
+
+    /// The pressure at the site [hPa].
+    pub fn pressure_hpa(&self) -> f64 {
+        self.pressure_hpa
+    }
+
+    /// The temperature at the site [degrees C].
+    pub fn temperature_c(&self) -> f64 {
+        self.temperature_c
+    }
+}
+
+/// Pressure [hPa] and temperature [degrees C] of the standard atmosphere at a height [m].
+///
+/// Source: ISO 2533 (1975): 15 degrees at sea level, 6.5 K less for each km up to 11 km. Above, we stay with its
+/// isothermal layer, which gives 1 % of the true pressure's scale at 100 km: refraction is nothing there.
+fn standard_atmosphere(height: f64) -> (f64, f64) {
+    const LAPSE: f64 = 0.0065; // K/m
+    const SEA_LEVEL: f64 = 288.15; // K
+    const EXPONENT: f64 = 9.806_65 * 0.028_964_4 / (8.314_32 * LAPSE);
+    let tropopause = height.min(11_000.0);
+    let temperature = SEA_LEVEL - LAPSE * tropopause;
+    let below = STANDARD_PRESSURE_HPA * (temperature / SEA_LEVEL).powf(EXPONENT);
+    let above = (height - tropopause) * EXPONENT * LAPSE / temperature;
+    (below * (-above).exp(), temperature - 273.15)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_standard_atmosphere_is_the_published_one() {
+        // ISO 2533, table 5: geopotential heights.
+        for (height, pressure, temperature) in [
+            (0.0, 1013.25, 15.0),
+            (1000.0, 898.746, 8.5),
+            (5000.0, 540.199, -17.5),
+            (11_000.0, 226.320, -56.5),
+            (20_000.0, 54.7489, -56.5),
+        ] {
+            let (p, t) = standard_atmosphere(height);
+            assert!((p / pressure - 1.0).abs() < 1e-5, "{height} m: {p} hPa");
+            assert!((t - temperature).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn longitude_wraps_and_latitude_does_not() {
+        assert_eq!(Site::new(0.0, 540.0, 0.0).unwrap().longitude_deg(), -180.0);
+        assert_eq!(Site::new(0.0, 180.0, 0.0).unwrap().longitude_deg(), -180.0);
+        assert_eq!(Site::new(0.0, -190.0, 0.0).unwrap().longitude_deg(), 170.0);
+        assert!(
+            (-180.0..180.0).contains(&Site::new(0.0, -180.0 - 1e-14, 0.0).unwrap().longitude_deg())
+        );
+        assert!((-180.0..180.0).contains(&Site::new(0.0, 1e300, 0.0).unwrap().longitude_deg()));
+        let swapped = Site::new(151.2, -33.86, 0.0).unwrap_err();
+        assert!(swapped.to_string().contains("swapped"));
+        for (lat, lon, elevation) in [
+            (91.0, 0.0, 0.0),
+            (f64::NAN, 0.0, 0.0),
+            (0.0, f64::INFINITY, 0.0),
+            (0.0, 0.0, 2e5),
+            (0.0, 0.0, f64::NAN),
+        ] {
+            assert!(Site::new(lat, lon, elevation).is_err());
+        }
+    }
+}

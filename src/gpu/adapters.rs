@@ -1,0 +1,276 @@
+//! Which graphics adapters there are, what each can do, and what to install where there is none.
+
+use serde::Serialize;
+use wgpu::{
+    Adapter as Handle, Backends, DeviceType, Features, Instance, InstanceDescriptor, InstanceFlags,
+};
+
+/// What a machine can compute with beside its processor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// All adapters that can be used, best first.
+    pub adapters: Vec<Adapter>,
+    /// Adapters that the system has and wgpu does not offer, since their driver does not pass the tests of its own API.
+    pub hidden: Vec<Adapter>,
+    /// What to do to have an adapter, one sentence each; empty when there is one of hardware.
+    pub advice: Vec<String>,
+}
+
+/// An adapter, under one of the interfaces that reach it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Adapter {
+    /// Its own name.
+    pub name: String,
+    /// What it is.
+    pub kind: Kind,
+    /// `vulkan`, `metal` or `dx12`.
+    pub backend: String,
+    /// Name and version of its driver.
+    pub driver: String,
+    /// How much of everything it takes.
+    pub limits: Limits,
+    /// Whether passes can be timed on it.
+    pub timestamps: bool,
+    /// Whether casters behind the near plane of a shadow map can be kept.
+    pub unclipped_depth: bool,
+}
+
+/// What an adapter is. The order is that of preference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// A card of its own.
+    Discrete,
+    /// Part of the processor's chip, with its memory.
+    Integrated,
+    /// A share of a card, in a virtual machine.
+    Virtual,
+    /// The driver does not say.
+    Unknown,
+    /// The processor, playing a GPU.
+    Software,
+}
+
+/// The limits of an adapter that decide how large a picture fits and how it must be cut.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Limits {
+    /// Side of a 2D texture [texels].
+    pub texture_side: u32,
+    /// Layers of a texture array.
+    pub texture_layers: u32,
+    /// A buffer [bytes].
+    pub buffer_bytes: u64,
+    /// The part of a buffer that a shader sees at once [bytes].
+    pub binding_bytes: u64,
+    /// Storage buffers that a shader sees at once.
+    pub storage_buffers: u32,
+    /// Invocations of a work group.
+    pub workgroup_invocations: u32,
+    /// Memory that a work group shares [bytes].
+    pub workgroup_bytes: u32,
+}
+
+impl Adapter {
+    /// Whether it is more than the processor itself.
+    pub fn is_hardware(&self) -> bool {
+        self.kind != Kind::Software
+    }
+}
+
+impl Kind {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Kind::Discrete => "hardware, discrete",
+            Kind::Integrated => "hardware, integrated",
+            Kind::Virtual => "hardware, virtual",
+            Kind::Unknown => "unknown",
+            Kind::Software => "software",
+        }
+    }
+}
+
+/// Asks the system for its adapters. One without any graphics library has none; that is no error.
+pub fn report() -> Report {
+    let adapters = list(InstanceFlags::empty());
+    let mut hidden = list(InstanceFlags::ALLOW_UNDERLYING_NONCOMPLIANT_ADAPTER);
+    hidden.retain(|adapter| !adapters.contains(adapter));
+    let advice = match adapters.iter().any(Adapter::is_hardware) {
+        true => Vec::new(),
+        false => System::this().advice(!adapters.is_empty()),
+    };
+    Report {
+        adapters,
+        hidden,
+        advice,
+    }
+}
+
+fn list(flags: InstanceFlags) -> Vec<Adapter> {
+    let backends = Backends::VULKAN | Backends::METAL | Backends::DX12;
+    let mut descriptor = InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = backends;
+    descriptor.flags = flags;
+    let instance = Instance::new(descriptor);
+    let handles = pollster::block_on(instance.enumerate_adapters(backends));
+    let mut adapters: Vec<Adapter> = handles.iter().map(describe).collect();
+    adapters.sort_by_key(|adapter| adapter.kind);
+    adapters
+}
+
+fn describe(handle: &Handle) -> Adapter {
+    let info = handle.get_info();
+    let limits = handle.limits();
+    let features = handle.features();
+    let driver = format!("{} {}", info.driver, info.driver_info);
+    Adapter {
+        name: info.name,
+        kind: match info.device_type {
+            DeviceType::DiscreteGpu => Kind::Discrete,
+            DeviceType::IntegratedGpu => Kind::Integrated,
+            DeviceType::VirtualGpu => Kind::Virtual,
+            DeviceType::Cpu => Kind::Software,
+            DeviceType::Other => Kind::Unknown,
+        },
+        backend: info.backend.to_str().to_owned(),
+        driver: driver.trim().to_owned(),
+        limits: Limits {
+            texture_side: limits.max_texture_dimension_2d,
+            texture_layers: limits.max_texture_array_layers,
+            buffer_bytes: limits.max_buffer_size,
+            binding_bytes: limits.max_storage_buffer_binding_size,
+            storage_buffers: limits.max_storage_buffers_per_shader_stage,
+            workgroup_invocations: limits.max_compute_invocations_per_workgroup,
+            workgroup_bytes: limits.max_compute_workgroup_storage_size,
+        },
+        timestamps: features.contains(Features::TIMESTAMP_QUERY),
+        unclipped_depth: features.contains(Features::DEPTH_CLIP_CONTROL),
+    }
+}
+
+/// Operating systems that get their drivers in different ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum System {
+    Debian,
+    Fedora,
+    Arch,
+    OtherUnix,
+    MacOs,
+    Windows,
+}
+
+impl System {
+    fn this() -> Self {
+        match std::env::consts::OS {
+            "macos" => System::MacOs,
+            "windows" => System::Windows,
+            _ => Self::of(&std::fs::read_to_string("/etc/os-release").unwrap_or_default()),
+        }
+    }
+
+    /// The family that a Linux distribution counts itself to, from its os-release file.
+    fn of(os_release: &str) -> Self {
+        let lines = os_release.lines().filter_map(|line| line.split_once('='));
+        let names: Vec<&str> = lines
+            .filter(|(key, _)| *key == "ID" || *key == "ID_LIKE")
+            .flat_map(|(_, value)| value.trim_matches(['"', '\'']).split_whitespace())
+            .collect();
+        let is = |known: &[&str]| names.iter().any(|name| known.contains(name));
+        if is(&["debian", "ubuntu"]) {
+            System::Debian
+        } else if is(&["fedora", "rhel", "centos"]) {
+            System::Fedora
+        } else if is(&["arch"]) {
+            System::Arch
+        } else {
+            System::OtherUnix
+        }
+    }
+
+    /// What to install for a GPU that is there, and for a software adapter unless there is one.
+    fn advice(self, software: bool) -> Vec<String> {
+        let nvidia = "For an NVIDIA card install NVIDIA's own driver";
+        let (hardware, mesa) = match self {
+            System::Debian => (
+                format!(
+                    "For an AMD or Intel GPU: sudo apt install mesa-vulkan-drivers libvulkan1. {nvidia}: \
+                     package nvidia-driver on Debian (non-free), `ubuntu-drivers install` on Ubuntu"
+                ),
+                "sudo apt install mesa-vulkan-drivers libvulkan1",
+            ),
+            System::Fedora => (
+                format!(
+                    "For an AMD or Intel GPU: sudo dnf install mesa-vulkan-drivers vulkan-loader. {nvidia}: \
+                     package akmod-nvidia of RPM Fusion"
+                ),
+                "sudo dnf install mesa-vulkan-drivers vulkan-loader",
+            ),
+            System::Arch => (
+                format!(
+                    "sudo pacman -S vulkan-icd-loader, and vulkan-radeon (AMD) or vulkan-intel (Intel). {nvidia}: \
+                     package nvidia-utils"
+                ),
+                "sudo pacman -S vulkan-icd-loader vulkan-swrast",
+            ),
+            System::OtherUnix => (
+                format!(
+                    "Install the Vulkan loader (libvulkan) and Mesa's Vulkan drivers. {nvidia}"
+                ),
+                "install the Vulkan loader and Mesa's lavapipe",
+            ),
+            System::MacOs => {
+                let metal = "Metal comes with macOS; a Mac without an adapter is a virtual machine without \
+                             a graphics device";
+                return vec![metal.to_owned()];
+            }
+            System::Windows => {
+                let dx12 = "Install the newest driver of the GPU's maker: it brings Direct3D 12 and Vulkan";
+                return vec![dx12.to_owned()];
+            }
+        };
+        let mut advice = vec![hardware];
+        if !software {
+            advice.push(format!(
+                "For a software adapter (slow; `--backend gpu` takes it): {mesa}"
+            ));
+        }
+        advice
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn families_of_linux() {
+        for (text, system) in [
+            ("NAME=x\nID=debian\n", System::Debian),
+            ("ID=linuxmint\nID_LIKE=\"ubuntu debian\"\n", System::Debian),
+            ("ID=fedora", System::Fedora),
+            (
+                "ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"",
+                System::Fedora,
+            ),
+            ("ID=arch", System::Arch),
+            ("ID=nixos\nVARIANT_ID=debian", System::OtherUnix),
+            ("", System::OtherUnix),
+        ] {
+            assert_eq!(System::of(text), system, "{text}");
+        }
+    }
+
+    #[test]
+    fn advice_names_packages() {
+        assert!(System::Debian.advice(false)[1].contains("mesa-vulkan-drivers"));
+        assert_eq!(System::Debian.advice(true).len(), 1);
+        assert!(System::Arch.advice(false)[1].contains("vulkan-swrast"));
+    }
+
+    #[test]
+    fn hardware_comes_first() {
+        let mut kinds = [Kind::Software, Kind::Integrated, Kind::Discrete];
+        kinds.sort();
+        assert_eq!(kinds, [Kind::Discrete, Kind::Integrated, Kind::Software]);
+    }
+}

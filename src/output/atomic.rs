@@ -1,0 +1,94 @@
+//! Files that are whole or not there at all.
+//!
+//! A file is written beside its name and renamed into place once it is complete and on the disk. Whatever fails on
+//! the way leaves the folder, and a file that stood there before, as they were.
+
+use crate::error::{Error, Result};
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Whether a file of this name could be written, before the work that fills it.
+///
+/// Leaves nothing behind, so that a run which is interrupted leaves nothing either.
+///
+/// # Errors
+/// [`Error::File`]: the folder is missing or may not be written, the name is a folder's or a device's, or the
+/// file that it names is protected.
+pub fn check(path: &Path) -> Result<()> {
+    begin(path).map(drop).map_err(|e| Error::writing(path, e))
+}
+
+/// Writes the file `path` with `fill`, which may also read and seek in it.
+///
+/// # Errors
+/// Those of [`check`], and [`Error::File`] with whatever `fill` or the disk reports.
+pub fn write(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
+    let whole = || {
+        let (target, mut temporary) = begin(path)?;
+        fill(temporary.as_file_mut())?;
+        temporary.as_file().sync_all()?;
+        temporary.persist(&target).map_err(|e| e.error)?;
+        sync_folder(&target);
+        Ok(())
+    };
+    whole().map_err(|e| Error::writing(path, e))
+}
+
+/// The file that `path` stands for, links followed, and an empty one beside it that vanishes unless it is renamed.
+fn begin(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
+    let found = match path.metadata() {
+        Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(found) if !found.is_file() => {
+            return Err(io::Error::other("it is a device or a pipe, not a file"));
+        }
+        Ok(found) if found.permissions().readonly() => {
+            return Err(io::ErrorKind::PermissionDenied.into());
+        }
+        Ok(found) => Some(found),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => None,
+        Err(e) => return Err(e),
+    };
+    // A link stays a link: what it points to is replaced.
+    let target = match &found {
+        Some(_) => path.canonicalize()?,
+        None => path.to_owned(),
+    };
+    let name = target
+        .file_name()
+        .ok_or_else(|| io::Error::from(io::ErrorKind::IsADirectory))?;
+    let folder = match target.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut prefix = std::ffi::OsString::from(".");
+    prefix.push(name);
+    prefix.push(".");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix);
+    // A temporary file is its owner's alone; a picture is as open as any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let temporary = builder.tempfile_in(folder)?;
+    if let Some(found) = found {
+        temporary.as_file().set_permissions(found.permissions())?;
+    }
+    Ok((target, temporary))
+}
+
+/// Puts the new name on the disk too. The file itself is there already, so what fails here is no failure.
+fn sync_folder(target: &Path) {
+    #[cfg(unix)]
+    if let Some(folder) = target.parent()
+        && let Ok(folder) = File::open(if folder == Path::new("") {
+            Path::new(".")
+        } else {
+            folder
+        })
+    {
+        let _ = folder.sync_all();
+    }
+    #[cfg(not(unix))]
+    let _ = target;
+}

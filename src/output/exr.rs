@@ -1,0 +1,255 @@
+//! The picture file: everything that was computed, in numbers, in one OpenEXR part.
+//!
+//! Scan lines from the top, ZIP16, every channel 32-bit float, since the sun's disc (1.6e9 cd/m2) overflows half.
+//!
+//! | channels | what |
+//! |---|---|
+//! | `R` `G` `B` | the picture: the sum of all layers [cd/m2] |
+//! | `Z` | distance along the ray [m], 1e10 where nothing is hit |
+//! | `sun.R` ... `inscatter_lights.B` | the layers of [`LAYERS`](crate::frame::LAYERS) [cd/m2]; zero where one was not run |
+//! | `transmittance.R` `.G` `.B` | share of light that the air lets through |
+//! | `normal.X` `.Y` `.Z` | unit normal, scene axes |
+//!
+//! `chromaticities` match the pixels, `whiteLuminance` is 1 (RGB 1, 1, 1 is 1 cd/m2), and the
+//! [`Record`](crate::frame::Record) stands in attributes called `tyndall:NAME`.
+//! Transmittance is per channel of the working space, not a colour, and is not converted.
+
+use super::{OutputSpace, atomic};
+use crate::error::Result;
+use crate::frame::{Frame, Value};
+use ::exr::block::lines::LineRefMut;
+use ::exr::error::Error as ExrError;
+use ::exr::image::write::samples::{SamplesWriter, WritableSamples};
+use ::exr::math::RoundingMode;
+use ::exr::meta::attribute::{
+    AttributeValue, Chromaticities, LevelMode, LineOrder, SampleType, Text,
+};
+use ::exr::meta::header::{Header, LayerAttributes};
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image, Layer, Vec2, WritableImage,
+};
+use glam::{DVec2, Vec3};
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+/// The program, as files name it.
+pub const SOFTWARE: &str = concat!("tyndall ", env!("CARGO_PKG_VERSION"));
+
+/// Writes `frame` with those of its layers that `layers` names (see [`super::select_layers`]).
+///
+/// Beside the frame this needs memory for a few blocks of 16 rows alone.
+///
+/// # Errors
+/// Those of [`Frame::check`]; [`crate::Error::File`] when the file cannot be written.
+pub fn write(
+    path: &Path,
+    frame: &Frame,
+    space: &OutputSpace,
+    layers: &[&'static str],
+) -> Result<()> {
+    frame.check()?;
+    let mut image = Image::from_layer(Layer::new(
+        (frame.width as usize, frame.height as usize),
+        attributes(frame, space),
+        Encoding {
+            compression: Compression::ZIP16,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        },
+        AnyChannels::sort(channels(frame, space, layers).into_iter().collect()),
+    ));
+    let xy = |v: DVec2| Vec2(v.x as f32, v.y as f32);
+    let [red, green, blue] = space.primaries.map(xy);
+    image.attributes.chromaticities = Some(Chromaticities {
+        red,
+        green,
+        blue,
+        white: xy(space.white),
+    });
+    atomic::write(path, |file| {
+        let mut buffered = BufWriter::new(&mut *file);
+        image
+            .write()
+            .to_buffered(&mut buffered)
+            .map_err(|e| match e {
+                ExrError::Io(e) => e,
+                e => io::Error::other(e),
+            })?;
+        buffered.flush()?;
+        drop(buffered);
+        sort_attributes(file)
+    })
+}
+
+fn attributes(frame: &Frame, space: &OutputSpace) -> LayerAttributes {
+    // Names and words are UTF-8, as OpenEXR's own library takes them.
+    let text = |words: &str| Text::from_slice_unchecked(words.as_bytes());
+    let mut attributes = LayerAttributes {
+        white_luminance: Some(1.0),
+        software_name: Some(text(SOFTWARE)),
+        ..LayerAttributes::default()
+    };
+    let words = |words: &str| AttributeValue::Text(text(words));
+    let mut say = |key: &str, value| {
+        attributes
+            .other
+            .insert(text(&format!("tyndall:{key}")), value)
+    };
+    say("color_space", words(space.name));
+    for (key, value) in frame.record.iter() {
+        say(
+            key,
+            match value {
+                Value::Text(value) => words(value),
+                Value::Number(value) => AttributeValue::F64(*value),
+            },
+        );
+    }
+    attributes
+}
+
+fn channels<'f>(
+    frame: &'f Frame,
+    space: &OutputSpace,
+    layers: &[&'static str],
+) -> Vec<AnyChannel<Samples<'f>>> {
+    let mut channels = Vec::new();
+    let mut add = |name: String, source| {
+        channels.push(AnyChannel {
+            name: Text::from_slice_unchecked(name.as_bytes()),
+            sample_data: Samples {
+                width: frame.width as usize,
+                source,
+            },
+            // Marks hue or alpha for lossy compression; these are neither, whatever their names look like.
+            quantize_linearly: false,
+            sampling: Vec2(1, 1),
+        });
+    };
+    for (component, letter) in ["R", "G", "B"].into_iter().enumerate() {
+        let row = space.from_working.row(component);
+        add(letter.into(), Source::Picture { frame, row });
+        for &name in layers {
+            let source = match name {
+                "transmittance" => Source::Component(&frame.transmittance, component),
+                "normal" => continue,
+                name => match frame.layer(name) {
+                    Some(layer) => Source::Colour {
+                        rgb: &layer.rgb,
+                        row,
+                    },
+                    None => Source::Black,
+                },
+            };
+            add(format!("{name}.{letter}"), source);
+        }
+    }
+    if layers.contains(&"normal") {
+        for (component, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
+            let source = Source::Component(&frame.normal, component);
+            add(format!("normal.{letter}"), source);
+        }
+    }
+    add("Z".into(), Source::Depth(&frame.depth));
+    channels
+}
+
+/// A channel that is made row by row from the frame while it is written.
+#[derive(Clone, Copy)]
+struct Samples<'f> {
+    width: usize,
+    source: Source<'f>,
+}
+
+#[derive(Clone, Copy)]
+enum Source<'f> {
+    /// The sum of all layers, seen through a row of the colour matrix.
+    Picture {
+        frame: &'f Frame,
+        row: glam::DVec3,
+    },
+    /// A layer, seen through a row of the colour matrix.
+    Colour {
+        rgb: &'f [Vec3],
+        row: glam::DVec3,
+    },
+    /// A component as it stands.
+    Component(&'f [Vec3], usize),
+    Depth(&'f [f32]),
+    Black,
+}
+
+impl Source<'_> {
+    fn at(&self, pixel: usize) -> f32 {
+        match *self {
+            Source::Picture { frame, row } => row.dot(frame.picture(pixel)) as f32,
+            Source::Colour { rgb, row } => row.dot(rgb[pixel].as_dvec3()) as f32,
+            Source::Component(values, component) => values[pixel][component],
+            Source::Depth(values) => values[pixel],
+            Source::Black => 0.0,
+        }
+    }
+}
+
+impl<'f> WritableSamples<'_> for Samples<'f> {
+    type Writer = Samples<'f>;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&self, _: &Header) -> Self::Writer {
+        *self
+    }
+}
+
+impl SamplesWriter for Samples<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let start = line.location.position.y() * self.width + line.location.position.x();
+        line.write_samples(|x| self.source.at(start + x))
+            .expect("a line in memory has room for its samples");
+    }
+}
+
+/// Puts the header's attributes in the order of their names.
+///
+/// The exr crate keeps our own in a hash map, so that the same picture would give another file every time. The order
+/// means nothing to readers, and the header keeps its length.
+fn sort_attributes(file: &mut File) -> io::Result<()> {
+    const MAGIC_AND_VERSION: u64 = 8;
+    file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
+    let mut reader = io::BufReader::new(&mut *file);
+    let mut attributes = Vec::new();
+    loop {
+        let mut attribute = Vec::new();
+        // Name and type end in zero; an attribute without a name ends the header.
+        read_name(&mut reader, &mut attribute)?;
+        if attribute == [0] {
+            break;
+        }
+        read_name(&mut reader, &mut attribute)?;
+        let mut length = [0; 4];
+        reader.read_exact(&mut length)?;
+        attribute.extend(length);
+        let start = attribute.len();
+        attribute.resize(start + u32::from_le_bytes(length) as usize, 0);
+        reader.read_exact(&mut attribute[start..])?;
+        attributes.push(attribute);
+    }
+    attributes.sort();
+    file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
+    file.write_all(&attributes.concat())
+}
+
+fn read_name(reader: &mut impl io::BufRead, into: &mut Vec<u8>) -> io::Result<()> {
+    reader.read_until(0, into)?;
+    match into.last() {
+        Some(0) => Ok(()),
+        _ => Err(io::ErrorKind::UnexpectedEof.into()),
+    }
+}

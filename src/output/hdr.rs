@@ -1,0 +1,111 @@
+//! The picture in Radiance's RGBE format: one exponent for three 8-bit mantissas, 1 % steps, no negative values.
+//!
+//! Radiance holds radiance [W/(sr m2)] and takes 179 lm/W for white light whatever its spectrum; luminances are
+//! divided by that, so that its own programs show the cd/m2 of the EXR.
+//! Source: G. Ward, "Real pixels", Graphics Gems II (1991); Radiance file formats.
+
+use super::{OutputSpace, atomic};
+use crate::error::Result;
+use crate::frame::Frame;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// What Radiance calls WHTEFFICACY [lm/W].
+pub const WHITE_EFFICACY: f64 = 179.0;
+
+/// Writes the picture in `space`; what lies outside its gamut is cut off at zero, which is all that the format holds.
+///
+/// # Errors
+/// Those of [`Frame::check`]; [`crate::Error::File`] when the file cannot be written.
+pub fn write(path: &Path, frame: &Frame, space: &OutputSpace) -> Result<()> {
+    frame.check()?;
+    atomic::write(path, |file| {
+        let mut out = BufWriter::new(file);
+        let [red, green, blue] = space.primaries;
+        write!(out, "#?RADIANCE\nSOFTWARE={}\n", super::exr::SOFTWARE)?;
+        write!(out, "PRIMARIES=")?;
+        for xy in [red, green, blue, space.white] {
+            write!(out, " {:.4} {:.4}", xy.x, xy.y)?;
+        }
+        write!(out, "\nFORMAT=32-bit_rle_rgbe\n\n")?;
+        writeln!(out, "-Y {} +X {}", frame.height, frame.width)?;
+        let width = frame.width as usize;
+        let mut row = vec![[0; 4]; width];
+        for y in 0..frame.height as usize {
+            for (x, texel) in row.iter_mut().enumerate() {
+                let colour = space.from_working * frame.picture(y * width + x);
+                *texel = rgbe((colour / WHITE_EFFICACY).to_array());
+            }
+            write_row(&mut out, &row)?;
+        }
+        out.flush()
+    })
+}
+
+/// Mantissas rounded down and the exponent that they share, 128 for a largest component in [0.5, 1).
+fn rgbe(rgb: [f64; 3]) -> [u8; 4] {
+    let largest = rgb[0].max(rgb[1]).max(rgb[2]);
+    if largest < 1e-38 {
+        return [0; 4];
+    }
+    let mut exponent = largest.log2().floor() as i32 + 1;
+    // log2 may round up to a power of two that it does not reach, or the reverse.
+    if largest >= 2f64.powi(exponent) {
+        exponent += 1;
+    } else if largest < 2f64.powi(exponent - 1) {
+        exponent -= 1;
+    }
+    let scale = 256.0 / 2f64.powi(exponent);
+    // A float becomes an integer by saturation: what is negative becomes zero.
+    let [r, g, b] = rgb.map(|c| (c * scale) as u8);
+    [r, g, b, (exponent + 128) as u8]
+}
+
+/// One row, the four components apart, each in runs; rows too short or long for that are written flat.
+fn write_row(out: &mut impl Write, row: &[[u8; 4]]) -> std::io::Result<()> {
+    if !(8..0x8000).contains(&row.len()) {
+        return row.iter().try_for_each(|texel| out.write_all(texel));
+    }
+    let length = row.len() as u16;
+    out.write_all(&[2, 2, (length >> 8) as u8, length as u8])?;
+    for component in 0..4 {
+        let bytes: Vec<u8> = row.iter().map(|texel| texel[component]).collect();
+        let mut rest = &bytes[..];
+        while let Some(first) = rest.first() {
+            let run = rest.iter().take(127).take_while(|b| *b == first).count();
+            if run >= 4 {
+                out.write_all(&[128 + run as u8, *first])?;
+                rest = &rest[run..];
+            } else {
+                let mut literal = run;
+                while literal < rest.len().min(128)
+                    && !rest[literal..]
+                        .windows(4)
+                        .next()
+                        .is_some_and(|w| w.iter().all(|b| *b == w[0]))
+                {
+                    literal += 1;
+                }
+                out.write_all(&[literal as u8])?;
+                out.write_all(&rest[..literal])?;
+                rest = &rest[literal..];
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_exponent_for_three() {
+        assert_eq!(rgbe([0.0; 3]), [0; 4]);
+        assert_eq!(rgbe([1.0, 0.5, -0.25]), [128, 64, 0, 129]);
+        assert_eq!(rgbe([0.999_999, 0.0, 0.0]), [255, 0, 0, 128]);
+        // 2^30 exactly, and the float below it.
+        assert_eq!(rgbe([1_073_741_824.0, 0.0, 0.0])[3], 128 + 31);
+        assert_eq!(rgbe([1_073_741_823.999_999_9, 0.0, 0.0])[3], 128 + 30);
+    }
+}

@@ -1,0 +1,150 @@
+//! From a [`Frame`](crate::frame::Frame) to files.
+//!
+//! - [`exr`]: everything, in numbers
+//! - [`png`]: the picture as a screen shows it
+//! - [`hdr`]: the picture for programs that read Radiance's format
+//! - [`report`]: the record and the plan, for scripts
+//! - [`atomic`]: how each of them comes to stand under its name
+
+pub mod atomic;
+pub mod exr;
+pub mod hdr;
+pub mod png;
+pub mod report;
+
+use crate::error::{Error, Result};
+use crate::frame::LAYERS;
+use glam::{DMat3, DVec2};
+use std::path::{Path, PathBuf};
+
+/// A kind of picture file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// OpenEXR: all layers, 32-bit float.
+    Exr,
+    /// PNG: display-referred, 8 bits.
+    Png,
+    /// Radiance RGBE: the picture alone.
+    Hdr,
+}
+
+impl Format {
+    /// The format that a file's name asks for.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the name ends in nothing that can be written.
+    pub fn of(path: &Path) -> Result<Self> {
+        let ending = path.extension().unwrap_or_default().to_string_lossy();
+        match ending.to_ascii_lowercase().as_str() {
+            "exr" => Ok(Format::Exr),
+            "png" => Ok(Format::Png),
+            "hdr" => Ok(Format::Hdr),
+            _ => Err(Error::input(
+                format!("-o {}", path.display()),
+                "the name does not say which kind of picture to write",
+                "let it end in .exr, .png or .hdr",
+            )),
+        }
+    }
+}
+
+/// The formats of the files that a picture is to be written to, once it is known that all of them can be.
+///
+/// To be called before the long work.
+///
+/// # Errors
+/// Those of [`Format::of`] and [`atomic::check`]; [`Error::Input`] when a file is named twice.
+pub fn check_targets(paths: &[PathBuf]) -> Result<Vec<Format>> {
+    let mut formats = Vec::with_capacity(paths.len());
+    for (index, path) in paths.iter().enumerate() {
+        formats.push(Format::of(path)?);
+        if paths[..index].contains(path) {
+            return Err(Error::input(
+                format!("-o {}", path.display()),
+                "the file is named twice",
+                "name it once",
+            ));
+        }
+        atomic::check(path)?;
+    }
+    Ok(formats)
+}
+
+/// The colour space of what is written, and the way there from the working space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutputSpace {
+    /// Its name, as in `--color-space`.
+    pub name: &'static str,
+    /// Takes a column of linear Rec. 2020 to one of this space; luminance stays what it is.
+    pub from_working: DMat3,
+    /// CIE 1931 x, y of its red, green and blue.
+    pub primaries: [DVec2; 3],
+    /// CIE 1931 x, y of its white.
+    pub white: DVec2,
+}
+
+/// The layers of an EXR, in its own names: those of [`LAYERS`], then `transmittance` and `normal`.
+///
+/// The picture (R, G, B) and Z are always written.
+pub fn layer_names() -> impl Iterator<Item = &'static str> {
+    LAYERS.into_iter().chain(["transmittance", "normal"])
+}
+
+/// The layers of those names (`--layers`); all of them for no names.
+///
+/// # Errors
+/// [`Error::Input`] with the nearest name for one that is unknown.
+pub fn select_layers<S: AsRef<str>>(names: &[S]) -> Result<Vec<&'static str>> {
+    if names.is_empty() {
+        return Ok(layer_names().collect());
+    }
+    let mut selected = Vec::new();
+    for name in names {
+        let name = name.as_ref();
+        let Some(known) = layer_names().find(|known| *known == name) else {
+            let nearest = layer_names()
+                .max_by(|a, b| {
+                    strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name))
+                })
+                .unwrap_or_default();
+            let all = layer_names().collect::<Vec<_>>().join(", ");
+            return Err(Error::input(
+                "--layers",
+                format!("there is no layer `{name}`"),
+                format!("did you mean `{nearest}`? There are {all}"),
+            ));
+        };
+        if !selected.contains(&known) {
+            selected.push(known);
+        }
+    }
+    Ok(selected)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_by_name() {
+        assert_eq!(Format::of(Path::new("a/b.EXR")).ok(), Some(Format::Exr));
+        assert_eq!(Format::of(Path::new("b.png")).ok(), Some(Format::Png));
+        for bad in ["b.jpg", "png", "a.exr/b"] {
+            assert!(
+                Format::of(Path::new(bad)).is_err_and(|e| e.is_input()),
+                "{bad}"
+            );
+        }
+    }
+
+    #[test]
+    fn layers_by_name() {
+        let all = select_layers::<&str>(&[]).expect("no names are all names");
+        assert_eq!(all.len(), 9);
+        let two = select_layers(&["normal", "sun", "normal"]).expect("both are known");
+        assert_eq!(two, ["normal", "sun"]);
+        let error = select_layers(&["inscater_sun"]).expect_err("it is misspelt");
+        assert!(error.is_input());
+        assert!(error.remedy().contains("`inscatter_sun`?"), "{error}");
+    }
+}

@@ -1,0 +1,234 @@
+//! The plan: which effects a scene calls for, why not the others, and with which settings.
+
+use crate::conditions::Conditions;
+use crate::effect::{ALL, Contribution, Decision, Effect, Field};
+use crate::error::{Error, Result, nearest};
+
+/// How much accuracy is paid for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Quality {
+    /// To place camera and sun.
+    Draft,
+    /// Good enough to look at.
+    #[default]
+    Preview,
+    /// Good enough to sign for.
+    High,
+    /// The finest setting of the backend.
+    Reference,
+}
+
+impl Quality {
+    /// All of them, the cheapest first.
+    pub const ALL: [Quality; 4] = [
+        Quality::Draft,
+        Quality::Preview,
+        Quality::High,
+        Quality::Reference,
+    ];
+
+    /// Its name in flags and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quality::Draft => "draft",
+            Quality::Preview => "preview",
+            Quality::High => "high",
+            Quality::Reference => "reference",
+        }
+    }
+}
+
+/// What the user wants otherwise than the plan would have it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Overrules {
+    /// Where all knobs start.
+    pub quality: Quality,
+    /// Effects that surely contribute less than this share of the picture's mean luminance are left out; absent: 1e-4.
+    pub tolerance: Option<f64>,
+    /// `EFFECT.KNOB` and value.
+    pub set: Vec<(String, f64)>,
+    /// Effects to run even if they contribute too little.
+    pub force: Vec<String>,
+    /// Effects to leave out.
+    pub without: Vec<String>,
+}
+
+/// One effect of the plan.
+#[derive(Clone)]
+pub struct Step {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Whether it runs, and why.
+    pub decision: Decision,
+    /// Its knobs.
+    pub settings: Vec<(&'static str, f64)>,
+}
+
+/// Which effects are run, in their order.
+pub struct Plan<'c> {
+    /// What they are run on.
+    pub conditions: &'c Conditions,
+    /// Share of the mean luminance below which effects were left out.
+    pub tolerance: f64,
+    /// All effects, run or not.
+    pub steps: Vec<Step>,
+}
+
+impl<'c> Plan<'c> {
+    /// Asks every effect whether the scene calls for it.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for an effect or knob that does not exist (with the nearest one that does), for one that is both
+    /// forced and left out, and for forcing one that the scene gives nothing to do; [`Error::Domain`] for a knob's value
+    /// outside its range.
+    pub fn new(conditions: &'c Conditions, overrules: &Overrules) -> Result<Self> {
+        for name in overrules.force.iter().chain(&overrules.without) {
+            find(name)?;
+        }
+        if let Some(name) = overrules
+            .force
+            .iter()
+            .find(|name| overrules.without.contains(name))
+        {
+            return Err(Error::input(
+                format!("--force {name}"),
+                "the effect is forced and left out",
+                "use --force or --without, not both",
+            ));
+        }
+        let tolerance = overrules.tolerance.unwrap_or(1e-4);
+        let level = Quality::ALL
+            .iter()
+            .position(|q| *q == overrules.quality)
+            .expect("all qualities are listed");
+        let mut steps = Vec::with_capacity(ALL.len());
+        for &effect in ALL {
+            let mut decision = (effect.decide)(conditions);
+            if let Contribution::Bound(bound) = decision.contribution
+                && decision.run
+                && bound < tolerance * conditions.typical_luminance()
+            {
+                decision = Decision::skip(
+                    format!("{}, too little to be seen", decision.reason),
+                    decision.contribution,
+                );
+            }
+            if overrules.without.iter().any(|n| n == effect.name) {
+                if matches!(decision.contribution, Contribution::Everything) {
+                    return Err(Error::input(
+                        format!("--without {}", effect.name),
+                        "without it there is no picture",
+                        "leave it in",
+                    ));
+                }
+                decision.reason = format!("left out by --without; {}", decision.reason);
+                decision.run = false;
+            } else if overrules.force.iter().any(|n| n == effect.name) && !decision.run {
+                if !decision.possible {
+                    return Err(Error::input(
+                        format!("--force {}", effect.name),
+                        format!("it has nothing to do: {}", decision.reason),
+                        "leave the flag out",
+                    ));
+                }
+                decision.reason = format!("forced by --force; {}", decision.reason);
+                decision.run = true;
+            }
+            let settings = effect
+                .knobs
+                .iter()
+                .map(|knob| (knob.name, knob.values[level]))
+                .collect();
+            steps.push(Step {
+                effect,
+                decision,
+                settings,
+            });
+        }
+        let mut plan = Plan {
+            conditions,
+            tolerance,
+            steps,
+        };
+        for (target, value) in &overrules.set {
+            plan.set(target, *value)?;
+        }
+        Ok(plan)
+    }
+
+    fn set(&mut self, target: &str, value: f64) -> Result<()> {
+        let place = format!("--set {target}");
+        let (name, knob) = target.split_once('.').ok_or_else(|| {
+            Error::input(
+                &place,
+                "EFFECT.KNOB=VALUE was expected",
+                "for example --set shafts.suns=16",
+            )
+        })?;
+        let effect = find(name)?;
+        let known = effect
+            .knobs
+            .iter()
+            .find(|k| k.name == knob)
+            .ok_or_else(|| {
+                let names = effect.knobs.iter().map(|k| k.name);
+                let remedy = match nearest(knob, names.clone()) {
+                    Some(name) => format!("did you mean `{name}`?"),
+                    None => format!("{} has no knobs", effect.name),
+                };
+                Error::input(&place, format!("there is no knob `{knob}`"), remedy)
+            })?;
+        let [low, high] = known.range;
+        if !(low..=high).contains(&value) {
+            return Err(Error::domain(
+                target,
+                value,
+                format!("{low} to {high}"),
+                format!("it counts {}", known.meaning),
+            ));
+        }
+        for step in &mut self.steps {
+            if step.effect.name == effect.name {
+                for setting in &mut step.settings {
+                    if setting.0 == knob {
+                        setting.1 = value;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The effects that run.
+    pub fn running(&self) -> impl Iterator<Item = &Step> {
+        self.steps.iter().filter(|step| step.decision.run)
+    }
+
+    /// The fields that some effect of the plan writes.
+    pub fn written(&self) -> Vec<Field> {
+        let mut written = Vec::new();
+        for field in self.running().flat_map(|step| step.effect.writes) {
+            if !written.contains(field) {
+                written.push(*field);
+            }
+        }
+        written
+    }
+}
+
+fn find(name: &str) -> Result<&'static Effect> {
+    ALL.iter()
+        .copied()
+        .find(|effect| effect.name == name)
+        .ok_or_else(|| {
+            let remedy = match nearest(name, ALL.iter().map(|e| e.name)) {
+                Some(near) => format!("did you mean `{near}`? (`tyndall plan` lists them)"),
+                None => "`tyndall plan` lists them".into(),
+            };
+            Error::input(
+                format!("effect `{name}`"),
+                "there is no such effect",
+                remedy,
+            )
+        })
+}

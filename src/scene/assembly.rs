@@ -1,0 +1,288 @@
+//! From the pieces of a file to one mesh in scene axes: what every loader has in common.
+//!
+//! Transforms are f64 throughout, so that a piece which a node puts a thousand kilometres away keeps its millimetres.
+
+use super::{Mesh, Texture, Triangle, Wrap};
+use crate::error::{Error, Result};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+/// A piece of geometry in axes of its own. `normals`, `uvs` and `colors` are empty or as long as `positions`.
+#[derive(Default)]
+pub(super) struct Piece {
+    pub positions: Vec<DVec3>,
+    pub normals: Vec<DVec3>,
+    pub uvs: Vec<DVec2>,
+    pub colors: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+    pub material: u32,
+}
+
+/// A mesh in the making.
+#[derive(Default)]
+pub(super) struct Assembly {
+    mesh: Mesh,
+    degenerate: usize,
+    odd_attributes: usize,
+}
+
+/// Twice a triangle's area over its longest edge squared, below which rounding of f64 edges alone can make it.
+const LEAST_ASPECT: f64 = 1e-14;
+
+impl Assembly {
+    /// Adds `piece`, moved by `to_scene`. A mirroring transform turns the winding, so that front sides stay in front.
+    ///
+    /// `place` names the piece in errors: a position that is not finite, an index beyond the vertices.
+    pub fn add(
+        &mut self,
+        piece: &Piece,
+        to_scene: DAffine3,
+        place: &dyn Fn() -> String,
+    ) -> Result<()> {
+        let linear = to_scene.matrix3;
+        let mirrored = linear.determinant() < 0.0;
+        // Normals are covectors: they go with the cofactors, which exist where the inverse transpose does not.
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        let cofactors = DMat3::from_cols(
+            linear.y_axis.cross(linear.z_axis) * sign,
+            linear.z_axis.cross(linear.x_axis) * sign,
+            linear.x_axis.cross(linear.y_axis) * sign,
+        );
+
+        let count = piece.positions.len();
+        let base = u32::try_from(self.mesh.positions.len())
+            .ok()
+            .filter(|base| base.checked_add(count as u32).is_some() && count < u32::MAX as usize)
+            .ok_or_else(|| {
+                Error::input(
+                    place(),
+                    "the scene has more than 4 294 967 295 vertices",
+                    "split it, or use fewer instances",
+                )
+            })?;
+
+        for (i, p) in piece.positions.iter().enumerate() {
+            let moved = to_scene.transform_point3(*p);
+            if !moved.is_finite() {
+                return Err(Error::input(
+                    place(),
+                    format!("the position of vertex {i} is not a finite number ({p})"),
+                    "repair the vertex in the program that made the file and export again",
+                ));
+            }
+            self.mesh.positions.push(moved);
+        }
+        for i in 0..count {
+            let n = cofactors * piece.normals.get(i).copied().unwrap_or(DVec3::ZERO);
+            if !n.is_finite() {
+                self.odd_attributes += 1;
+            }
+            self.mesh.normals.push(n.normalize_or_zero());
+            let uv = piece.uvs.get(i).copied().unwrap_or(DVec2::ZERO);
+            self.odd_attributes += usize::from(!uv.is_finite());
+            self.mesh
+                .uvs
+                .push(if uv.is_finite() { uv } else { DVec2::ZERO });
+        }
+        if !piece.colors.is_empty() || !self.mesh.colors.is_empty() {
+            self.mesh.colors.resize(base as usize, DVec3::ONE);
+            for i in 0..count {
+                let c = piece.colors.get(i).copied().unwrap_or(DVec3::ONE);
+                let valid =
+                    c.is_finite() && c.cmpge(DVec3::ZERO).all() && c.cmple(DVec3::ONE).all();
+                self.odd_attributes += usize::from(!valid);
+                self.mesh.colors.push(if c.is_finite() {
+                    c.clamp(DVec3::ZERO, DVec3::ONE)
+                } else {
+                    DVec3::ONE
+                });
+            }
+        }
+
+        for (i, &[a, b, c]) in piece.triangles.iter().enumerate() {
+            if let Some(beyond) = [a, b, c].into_iter().find(|&v| v as usize >= count) {
+                return Err(Error::input(
+                    place(),
+                    format!(
+                        "triangle {i} names vertex {beyond}, but there are {count} (0 to {})",
+                        count as i64 - 1
+                    ),
+                    "the file is damaged: export it again",
+                ));
+            }
+            // Without the translation: whether a triangle has an area must not depend on where it stands.
+            let edge = |u: u32, v: u32| {
+                linear * (piece.positions[v as usize] - piece.positions[u as usize])
+            };
+            let (ab, ac, bc) = (edge(a, b), edge(a, c), edge(b, c));
+            let longest = ab
+                .length_squared()
+                .max(ac.length_squared())
+                .max(bc.length_squared());
+            // Negated, so that an overflow to NaN counts as degenerate.
+            if !(ab.cross(ac).length() > LEAST_ASPECT * longest) {
+                self.degenerate += 1;
+                continue;
+            }
+            let vertices = if mirrored { [a, c, b] } else { [a, b, c] };
+            self.mesh.triangles.push(Triangle {
+                vertices: vertices.map(|v| v + base),
+                material: piece.material,
+            });
+        }
+        Ok(())
+    }
+
+    /// The mesh, and what must be said about it. A mesh without a triangle that has an area is an error.
+    pub fn finish(self, file: &str, warnings: &mut Vec<String>) -> Result<Mesh> {
+        if self.mesh.triangles.is_empty() {
+            let problem = match self.degenerate {
+                0 => "there are no triangles".to_owned(),
+                n => format!("none of the {n} triangles has an area"),
+            };
+            return Err(Error::input(
+                file,
+                problem,
+                "export the surfaces as triangles (not points, lines, curves or compressed geometry)",
+            ));
+        }
+        if self.degenerate > 0 {
+            warnings.push(format!(
+                "{file}: {} without an area left out",
+                counted(self.degenerate, "triangle")
+            ));
+        }
+        if self.odd_attributes > 0 {
+            warnings.push(format!(
+                "{file}: {} (normal, texture coordinate or colour) not finite or out of range; taken as absent, or colours as the nearest valid one",
+                counted(self.odd_attributes, "vertex attribute")
+            ));
+        }
+        Ok(self.mesh)
+    }
+}
+
+/// `1 triangle`, `2 triangles`.
+pub(super) fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Splits a simple polygon, convex or not, into triangles by cutting ears in the plane of its area vector.
+///
+/// The triangles keep its winding. A polygon that crosses itself still gives `corners.len() - 2` triangles.
+pub(super) fn triangulate(positions: &[DVec3], corners: &[u32]) -> Vec<[u32; 3]> {
+    let at = |v: u32| positions[v as usize];
+    let mut left = corners.to_vec();
+    let mut triangles = Vec::with_capacity(corners.len().saturating_sub(2));
+    let origin = corners.first().map_or(DVec3::ZERO, |&v| at(v));
+    let normal: DVec3 = (0..corners.len())
+        .map(|i| (at(corners[i]) - origin).cross(at(corners[(i + 1) % corners.len()]) - origin))
+        .sum();
+    let turn = |a: u32, b: u32, c: u32| (at(b) - at(a)).cross(at(c) - at(b)).dot(normal);
+    while left.len() > 3 {
+        let n = left.len();
+        let ear = (0..n).find(|&i| {
+            let (a, b, c) = (left[(i + n - 1) % n], left[i], left[(i + 1) % n]);
+            turn(a, b, c) > 0.0
+                && !left.iter().any(|&p| {
+                    ![a, b, c].iter().any(|&v| at(v) == at(p))
+                        && turn(a, b, p) >= 0.0
+                        && turn(b, c, p) >= 0.0
+                        && turn(c, a, p) >= 0.0
+                })
+        });
+        // Without an ear (no area, or it crosses itself) any corner will do.
+        let i = ear.unwrap_or(1);
+        triangles.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
+        left.remove(i);
+    }
+    if let [a, b, c] = left[..] {
+        triangles.push([a, b, c]);
+    }
+    triangles
+}
+
+/// Decodes a PNG or JPEG; the error says what is wrong with it.
+///
+/// Decoders of other people's formats may panic on damaged files; that must not end the caller.
+pub(super) fn decode_image(name: &str, bytes: &[u8], wrap: [Wrap; 2]) -> Result<Texture, String> {
+    let decode = || {
+        let reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|e| e.to_string())?;
+        Ok(reader.decode().map_err(|e| e.to_string())?.to_rgba8())
+    };
+    let picture = std::panic::catch_unwind(decode)
+        .unwrap_or_else(|_| Err("the picture is damaged".to_owned()))?;
+    if picture.is_empty() {
+        return Err("the picture has no pixels".to_owned());
+    }
+    Ok(Texture {
+        name: name.to_owned(),
+        width: picture.width(),
+        height: picture.height(),
+        pixels: picture.pixels().map(|p| p.0).collect(),
+        wrap,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn concave_polygon_keeps_its_area() {
+        // An L of area 3; a fan from its first corner would cover the notch.
+        let outline = [
+            (2.0, 0.0),
+            (2.0, 1.0),
+            (1.0, 1.0),
+            (1.0, 2.0),
+            (0.0, 2.0),
+            (0.0, 0.0),
+        ];
+        let positions: Vec<_> = outline
+            .iter()
+            .map(|&(x, y)| DVec3::new(x, y, 5.0))
+            .collect();
+        for start in 0..6u32 {
+            let corners: Vec<u32> = (0..6).map(|i| (i + start) % 6).collect();
+            let triangles = triangulate(&positions, &corners);
+            assert_eq!(triangles.len(), 4);
+            let areas = triangles.iter().map(|t| {
+                let [a, b, c] = t.map(|v| positions[v as usize]);
+                (b - a).cross(c - a).z / 2.0
+            });
+            assert!(areas.clone().all(|a| a > 0.0));
+            assert_eq!(areas.sum::<f64>(), 3.0);
+        }
+    }
+
+    #[test]
+    fn a_mirror_keeps_the_front_in_front() {
+        let piece = Piece {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            normals: vec![DVec3::Z; 3],
+            triangles: vec![[0, 1, 2]],
+            ..Piece::default()
+        };
+        for scale in [
+            DVec3::ONE,
+            DVec3::new(-2.0, 1.0, 1.0),
+            DVec3::new(1.0, 3.0, -1.0),
+            -DVec3::ONE,
+        ] {
+            let mut assembly = Assembly::default();
+            assembly
+                .add(&piece, DAffine3::from_scale(scale), &String::new)
+                .unwrap();
+            let mesh = assembly.finish("test", &mut Vec::new()).unwrap();
+            let [a, b, c] = mesh.triangles[0]
+                .vertices
+                .map(|v| mesh.positions[v as usize]);
+            let front = (b - a).cross(c - a).normalize();
+            // The front side is carried along: +Z goes where the scale sends it.
+            assert_eq!(front, (DVec3::Z * scale).normalize(), "{scale}");
+            assert_eq!(mesh.normals[0], front, "{scale}");
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! A camera for a scene that has none, from its bounds.
+
+use super::{Camera, Projection};
+use crate::units::DEG;
+use glam::DVec3;
+
+/// Vertical field of view of a camera that nobody chose [degrees].
+pub const DEFAULT_FOV_Y_DEG: f64 = 50.0;
+
+impl Camera {
+    /// Everything in view, from the right, from in front and from above.
+    pub fn around((min, max): (DVec3, DVec3), aspect: f64) -> Self {
+        let middle = 0.5 * (min + max);
+        let radius = (0.5 * (max - min).length()).max(f64::MIN_POSITIVE);
+        let fov_y = DEFAULT_FOV_Y_DEG * DEG;
+        let half = (0.5 * fov_y).tan().min((0.5 * fov_y).tan() * aspect).atan();
+        let eye = middle + DVec3::new(0.6, 0.45, 1.0).normalize() * radius / half.sin();
+        Camera::look_at(eye, middle, fov_y)
+    }
+
+    /// From inside, a quarter of the way along the longer side, at the height of a person's eyes if that is inside.
+    pub fn inside((min, max): (DVec3, DVec3)) -> Self {
+        let size = max - min;
+        let mut eye = 0.5 * (min + max);
+        eye.y = min.y + 1.6f64.min(0.5 * size.y);
+        let ahead = if size.z >= size.x {
+            eye.z = max.z - 0.25 * size.z;
+            DVec3::NEG_Z
+        } else {
+            eye.x = min.x + 0.25 * size.x;
+            DVec3::X
+        };
+        Camera::look_at(eye, eye + ahead, 60.0 * DEG)
+    }
+
+    /// The camera as a block of the scene file.
+    pub fn to_toml(&self) -> String {
+        let list = |v: DVec3| format!("[{:.4}, {:.4}, {:.4}]", v.x, v.y, v.z);
+        let projection = match self.projection {
+            Projection::Perspective { fov_y } => format!("fov_y = {:.4}", fov_y / DEG),
+            Projection::Orthographic { height } => {
+                format!("projection = \"orthographic\"\nheight = {height:.4}")
+            }
+            Projection::Panorama => "projection = \"panorama\"".into(),
+        };
+        format!(
+            "[camera]\neye = {}\ntarget = {}\n{projection}\n",
+            list(self.eye),
+            list(self.eye + self.forward),
+        )
+    }
+}

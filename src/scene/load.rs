@@ -1,0 +1,132 @@
+//! From a name to a scene.
+
+use super::{Scene, gltf, obj, toml};
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// The scenes that are compiled into the library: name, TOML, GLB. The first is what is pictured without a scene.
+const EMBEDDED: [(&str, &str, &[u8]); 1] = [(
+    "nave",
+    include_str!("../../data/nave/nave.toml"),
+    include_bytes!("../../data/nave/nave.glb"),
+)];
+
+/// Names that [`Scene::builtin`] knows.
+pub const BUILTIN: [&str; 1] = ["nave"];
+
+/// Reads a scene: TOML, glTF, GLB or OBJ.
+///
+/// The kind is told by the extension, among glTF, GLB and files without a known extension by the content. Files that
+/// it names (mesh, buffers, materials, pictures) are looked for beside it.
+///
+/// # Errors
+/// [`Error::File`] when `path` cannot be read; [`Error::Input`] or [`Error::Domain`] with file, place and remedy when it
+/// is not a scene, is damaged, has no triangles, or holds a key or a value that is not valid. What can be left out (a
+/// texture that cannot be read, triangles without an area) is said in [`Scene::warnings`] instead.
+pub fn load(path: &Path) -> Result<Scene> {
+    let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+    let mut scene = match Kind::of(path, &bytes)? {
+        Kind::Toml => {
+            let text = str::from_utf8(&bytes).map_err(|e| {
+                let line = 1 + bytes[..e.valid_up_to()]
+                    .iter()
+                    .filter(|&&b| b == b'\n')
+                    .count();
+                Error::input(
+                    format!("{}:{line}", path.display()),
+                    "it is not UTF-8 text",
+                    "save the file as UTF-8",
+                )
+            })?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            toml::load(path, text, |mesh| {
+                let mesh = folder.join(mesh);
+                let bytes = std::fs::read(&mesh).map_err(|e| Error::reading(&mesh, e))?;
+                load_mesh(&mesh, &bytes)
+            })?
+        }
+        _ => load_mesh(path, &bytes)?,
+    };
+    scene.name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    Ok(scene)
+}
+
+impl Scene {
+    /// A scene that is compiled into the library, by one of the names in [`BUILTIN`].
+    ///
+    /// # Errors
+    /// [`Error::Input`] for another name.
+    pub fn builtin(name: &str) -> Result<Scene> {
+        let (name, text, glb) = EMBEDDED
+            .into_iter()
+            .find(|(known, ..)| *known == name)
+            .ok_or_else(|| {
+                Error::input(
+                    format!("built-in scene `{name}`"),
+                    "there is none of that name",
+                    format!("take one of: {}", BUILTIN.join(", ")),
+                )
+            })?;
+        let path = Path::new(name).with_extension("toml");
+        let mut scene = toml::load(&path, text, |mesh| gltf::load(Path::new(mesh), glb))?;
+        scene.name = name.to_owned();
+        Ok(scene)
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Toml,
+    Gltf,
+    Obj,
+}
+
+impl Kind {
+    fn of(path: &Path, bytes: &[u8]) -> Result<Kind> {
+        let remedy = "name a glTF, GLB, OBJ or TOML scene file";
+        let first = bytes.iter().copied().find(|b| !b.is_ascii_whitespace());
+        let Some(first) = first else {
+            return Err(Error::input(
+                path.display().to_string(),
+                "the file is empty",
+                remedy,
+            ));
+        };
+        let extension = path
+            .extension()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .to_ascii_lowercase();
+        match extension.as_str() {
+            "toml" => Ok(Kind::Toml),
+            "obj" => Ok(Kind::Obj),
+            _ if bytes.starts_with(b"glTF") || first == b'{' => Ok(Kind::Gltf),
+            "gltf" | "glb" => Err(Error::input(
+                path.display().to_string(),
+                "it is neither GLB nor glTF JSON",
+                remedy,
+            )),
+            _ => Err(Error::input(
+                path.display().to_string(),
+                format!("`.{extension}` is not a kind of scene that is known"),
+                remedy,
+            )),
+        }
+    }
+}
+
+fn load_mesh(path: &Path, bytes: &[u8]) -> Result<Scene> {
+    match Kind::of(path, bytes)? {
+        Kind::Gltf => gltf::load(path, bytes),
+        Kind::Obj => obj::load(path, bytes),
+        Kind::Toml => Err(Error::input(
+            path.display().to_string(),
+            "a scene file cannot be the mesh of another",
+            "name a glTF, GLB or OBJ file as the mesh",
+        )),
+    }
+}

@@ -1,0 +1,499 @@
+//! The TOML scene file: a mesh by name, and what the mesh lacks.
+//!
+//! The structs here are the file's only definition: the JSON Schema of `tyndall schema` is made from them, a file is
+//! checked against that schema ([`super::check`]), and then read into them.
+
+use super::camera::{Camera, Projection};
+use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
+use crate::error::{Error, Result};
+use crate::medium::{Medium, Phase, Shape};
+use crate::units::DEG;
+use glam::{DMat3, DVec2, DVec3};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::path::Path;
+
+/// A tyndall scene file.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "tyndall scene")]
+struct SceneFile {
+    /// The geometry: a glTF, GLB or OBJ file, relative to this one. Absent: nothing but ground, media and sky.
+    mesh: Option<String>,
+    /// Metres in a unit of the mesh.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    scale: Option<f64>,
+    /// The mesh's axis that points up; with "z", its Y axis becomes the scene's -Z.
+    up: Option<Up>,
+    /// Where the mesh's origin goes, added after `scale` and `up` [m].
+    origin: Option<[f64; 3]>,
+    /// Azimuth that the scene's -Z axis faces, from north through east [degrees]; with 0, +X is east.
+    #[schemars(range(min = -360.0, max = 360.0), extend("x-unit" = "degrees"))]
+    north: Option<f64>,
+    /// The moment: RFC 3339, without an offset the site's local time, or a Julian date `JD2451545.0`.
+    time: Option<String>,
+    /// The place on the earth.
+    site: Option<SiteTable>,
+    /// The camera.
+    camera: Option<CameraTable>,
+    /// A sun that stands in for place and time.
+    sun: Option<SunTable>,
+    /// The sky; what is absent takes the default.
+    sky: Option<SkyTable>,
+    /// An endless plane that rays meet which miss everything else below the horizon.
+    ground: Option<GroundTable>,
+    /// What fills the air; where media overlap, their coefficients add.
+    #[serde(default)]
+    medium: Vec<MediumTable>,
+    /// How the scene is pictured when no flag says otherwise.
+    picture: Option<PictureTable>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum Up {
+    Y,
+    Z,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SiteTable {
+    /// North positive [degrees].
+    #[schemars(range(min = -90.0, max = 90.0), extend("x-unit" = "degrees"))]
+    latitude: f64,
+    /// East positive [degrees].
+    #[schemars(range(min = -360.0, max = 360.0), extend("x-unit" = "degrees"))]
+    longitude: f64,
+    /// Above sea level [m]; 0 when absent.
+    #[schemars(range(min = -500.0, max = 11_000.0), extend("x-unit" = "m"))]
+    elevation: Option<f64>,
+    /// IANA zone, such as "Europe/Paris"; looked up from the coordinates when absent.
+    timezone: Option<String>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct CameraTable {
+    /// Where the eye is [m].
+    eye: [f64; 3],
+    /// A point that it looks at [m].
+    target: [f64; 3],
+    /// What is up in the picture; [0, 1, 0] when absent.
+    up: Option<[f64; 3]>,
+    /// "perspective" when absent.
+    projection: Option<ProjectionName>,
+    /// Vertical field of view of a perspective [degrees]; 60 when absent.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 180.0, "x-unit" = "degrees"))]
+    fov_y: Option<f64>,
+    /// Height of what an orthographic camera sees [m].
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+    height: Option<f64>,
+    /// Lens shift, right and up, in picture widths and heights.
+    shift: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum ProjectionName {
+    Perspective,
+    Orthographic,
+    Panorama,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SunTable {
+    /// Where the light comes from, from north through east [degrees].
+    #[schemars(range(min = -360.0, max = 360.0), extend("x-unit" = "degrees"))]
+    azimuth: f64,
+    /// Above the horizon [degrees]; no refraction is added.
+    #[schemars(range(min = -90.0, max = 90.0), extend("x-unit" = "degrees"))]
+    elevation: f64,
+    /// On a plane facing the sun, before the scene's own media [lx]; white. With it, there is no sky unless one is asked for.
+    #[schemars(range(min = 0.0), extend("x-unit" = "lx"))]
+    illuminance: Option<f64>,
+    /// Uniform disc [degrees]; 0 is a point sun; absent: the real one.
+    #[schemars(range(min = 0.0, max = 30.0), extend("x-unit" = "degrees"))]
+    diameter: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SkyTable {
+    /// The model.
+    #[schemars(extend("enum" = [
+        "perez", "preetham", "hosek", "cie:1", "cie:2", "cie:3", "cie:4", "cie:5", "cie:6", "cie:7", "cie:8", "cie:9",
+        "cie:10", "cie:11", "cie:12", "cie:13", "cie:14", "cie:15", "cie:16"
+    ]))]
+    model: Option<String>,
+    /// Turbidity [1].
+    #[schemars(range(min = 1.0, max = 20.0))]
+    turbidity: Option<f64>,
+    /// Direct-normal irradiance [W/m2].
+    #[schemars(range(min = 0.0, max = 1500.0), extend("x-unit" = "W/m2"))]
+    direct_normal: Option<f64>,
+    /// Diffuse-horizontal irradiance [W/m2].
+    #[schemars(range(min = 0.0, max = 1500.0), extend("x-unit" = "W/m2"))]
+    diffuse_horizontal: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct GroundTable {
+    /// Whether there is one; true when absent.
+    enabled: Option<bool>,
+    /// Its height [m]; absent: the scene's lowest point.
+    height: Option<f64>,
+    /// Reflectance; 0.2 when absent.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    albedo: Option<f64>,
+}
+
+/// What fills the air, by its shape.
+#[derive(Deserialize, JsonSchema)]
+#[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
+enum MediumTable {
+    /// Homogeneous inside a box; sunlight is attenuated from the box's face.
+    Box {
+        /// The corner of least coordinates [m].
+        min: [f64; 3],
+        /// The corner of greatest coordinates [m].
+        max: [f64; 3],
+        /// Scattering coefficient [1/m], a number or [R, G, B].
+        scattering: Coefficient,
+        /// Absorption coefficient [1/m], a number or [R, G, B]; 0 when absent.
+        absorption: Option<Coefficient>,
+        /// Isotropic when absent.
+        phase: Option<PhaseTable>,
+    },
+    /// Homogeneous from the ground up; sunlight is attenuated from the top along the slant.
+    Haze {
+        /// Height of the upper boundary [m].
+        top: f64,
+        /// Scattering coefficient [1/m], a number or [R, G, B].
+        scattering: Coefficient,
+        /// Absorption coefficient [1/m], a number or [R, G, B]; 0 when absent.
+        absorption: Option<Coefficient>,
+        /// Isotropic when absent.
+        phase: Option<PhaseTable>,
+    },
+    /// Coefficients that fall as exp(-(y - base) / scale_height) over a flat earth.
+    Height {
+        /// Height at which the coefficients are those given [m]; 0 when absent.
+        base: Option<f64>,
+        /// Height over which they fall by a factor e [m].
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+        scale_height: f64,
+        /// Where rays that meet nothing end [m].
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+        far: f64,
+        /// Scattering coefficient [1/m], a number or [R, G, B].
+        scattering: Coefficient,
+        /// Absorption coefficient [1/m], a number or [R, G, B]; 0 when absent.
+        absorption: Option<Coefficient>,
+        /// Isotropic when absent.
+        phase: Option<PhaseTable>,
+    },
+}
+
+/// A coefficient [1/m], the same for all colours or one for each channel of the working space.
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(untagged)]
+enum Coefficient {
+    Gray(#[schemars(range(min = 0.0), extend("x-unit" = "1/m"))] f64),
+    Rgb(#[schemars(inner(range(min = 0.0)))] [f64; 3]),
+}
+
+/// How scattered light spreads over directions.
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+enum PhaseTable {
+    /// The same in every direction.
+    Isotropic {},
+    /// Molecules.
+    Rayleigh {},
+    /// Henyey & Greenstein 1941.
+    HenyeyGreenstein {
+        /// Mean cosine; above 0 is forward.
+        #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 1.0))]
+        g: f64,
+    },
+    /// Cornette & Shanks 1992.
+    CornetteShanks {
+        /// Parameter; above 0 is forward.
+        #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 1.0))]
+        g: f64,
+    },
+    /// Nishita et al. 1987, hazy.
+    NishitaHazy {},
+    /// Nishita et al. 1987, murky.
+    NishitaMurky {},
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct PictureTable {
+    /// Width and height [pixels].
+    #[schemars(inner(range(min = 1, max = 65_536)))]
+    size: Option<[u32; 2]>,
+    /// Samples a pixel.
+    #[schemars(range(min = 1, max = 65_536))]
+    samples: Option<u32>,
+    /// EV100; automatic when absent.
+    #[schemars(range(min = -30.0, max = 40.0), extend("x-unit" = "EV100"))]
+    exposure: Option<f64>,
+}
+
+/// The JSON Schema (2020-12) of the TOML scene file.
+pub fn schema() -> serde_json::Value {
+    let mut schema = schemars::schema_for!(SceneFile).to_value();
+    check::without_null(&mut schema);
+    schema
+}
+
+/// Reads `text`, the content of `path`; `load_mesh` reads the mesh that it names.
+pub(super) fn load(
+    path: &Path,
+    text: &str,
+    load_mesh: impl FnOnce(&str) -> Result<Scene>,
+) -> Result<Scene> {
+    let checked = check::read(path, text, &schema())?;
+    let wrong = |key: &str, problem: String, remedy: &str| {
+        Error::input(checked.place(key), problem, remedy)
+    };
+    let file: SceneFile = serde_json::from_value(checked.value.clone())
+        .map_err(|e| wrong("", e.to_string(), "see `tyndall schema`"))?;
+
+    let mut scene = match &file.mesh {
+        Some(mesh) => load_mesh(mesh).map_err(|e| match e {
+            Error::File {
+                path,
+                source,
+                writing: false,
+            } => wrong(
+                "mesh",
+                format!("cannot read {}: {source}", path.display()),
+                "the name is relative to the scene file: check its spelling",
+            ),
+            other => other,
+        })?,
+        None => Scene::default(),
+    };
+    let origin = file.origin.map_or(DVec3::ZERO, DVec3::from_array);
+    scene.place(file.scale.unwrap_or(1.0), file.up == Some(Up::Z), origin);
+
+    scene.north_deg = file.north.unwrap_or(0.0);
+    scene.time = file.time;
+    scene.site = file.site.map(|site| SiteEntry {
+        latitude_deg: site.latitude,
+        longitude_deg: site.longitude,
+        elevation: site.elevation.unwrap_or(0.0),
+        timezone: site.timezone,
+    });
+    scene.camera = file.camera.map(|camera| camera.read(&wrong)).transpose()?;
+    scene.sun = file.sun.map(|sun| SunEntry {
+        azimuth_deg: sun.azimuth,
+        elevation_deg: sun.elevation,
+        illuminance: sun.illuminance,
+        diameter_deg: sun.diameter,
+    });
+    if let Some(sky) = file.sky {
+        scene.sky = SkyEntry {
+            model: sky.model,
+            turbidity: sky.turbidity,
+            direct_normal: sky.direct_normal,
+            diffuse_horizontal: sky.diffuse_horizontal,
+        };
+    }
+    if let Some(ground) = file.ground {
+        let default = Ground::default();
+        scene.ground = Ground {
+            enabled: ground.enabled.unwrap_or(default.enabled),
+            height: ground.height,
+            albedo: ground.albedo.unwrap_or(default.albedo),
+        };
+    }
+    scene.media = file
+        .medium
+        .into_iter()
+        .enumerate()
+        .map(|(i, medium)| {
+            medium
+                .read(&|key, problem, remedy| wrong(&format!("medium[{i}].{key}"), problem, remedy))
+        })
+        .collect::<Result<_>>()?;
+    if let Some(picture) = file.picture {
+        scene.picture = PictureEntry {
+            size: picture.size,
+            samples: picture.samples,
+            exposure_ev100: picture.exposure,
+        };
+    }
+    Ok(scene)
+}
+
+type Wrong<'a> = &'a dyn Fn(&str, String, &str) -> Error;
+
+impl CameraTable {
+    fn read(&self, wrong: Wrong) -> Result<Camera> {
+        let (eye, forward) = (
+            DVec3::from_array(self.eye),
+            DVec3::from_array(self.target) - DVec3::from_array(self.eye),
+        );
+        if !(forward.length() > 0.0) {
+            return Err(wrong(
+                "camera.target",
+                "it is where the eye is".into(),
+                "look at another point",
+            ));
+        }
+        let up = self.up.map_or(DVec3::Y, DVec3::from_array);
+        if !(up.length() > 0.0) {
+            return Err(wrong(
+                "camera.up",
+                "it has no direction".into(),
+                "leave it out, or give a direction",
+            ));
+        }
+        let kind = self.projection.unwrap_or(ProjectionName::Perspective);
+        for (key, given, belongs) in [
+            (
+                "camera.fov_y",
+                self.fov_y.is_some(),
+                ProjectionName::Perspective,
+            ),
+            (
+                "camera.height",
+                self.height.is_some(),
+                ProjectionName::Orthographic,
+            ),
+        ] {
+            if given && kind != belongs {
+                return Err(wrong(
+                    key,
+                    "the camera's projection has no use for it".into(),
+                    "leave it out: fov_y belongs to a perspective, height to an orthographic camera",
+                ));
+            }
+        }
+        let projection = match kind {
+            ProjectionName::Perspective => Projection::Perspective {
+                fov_y: self.fov_y.unwrap_or(60.0) * DEG,
+            },
+            ProjectionName::Orthographic => Projection::Orthographic {
+                height: self.height.ok_or_else(|| {
+                    wrong(
+                        "camera",
+                        "an orthographic camera needs `height`".into(),
+                        "add height = ..., in metres",
+                    )
+                })?,
+            },
+            ProjectionName::Panorama => Projection::Panorama,
+        };
+        let shift = self.shift.map_or(DVec2::ZERO, DVec2::from_array);
+        Ok(Camera {
+            eye,
+            forward,
+            up,
+            projection,
+            shift,
+        })
+    }
+}
+
+impl Coefficient {
+    fn rgb(self) -> DVec3 {
+        match self {
+            Coefficient::Gray(c) => DVec3::splat(c),
+            Coefficient::Rgb(c) => DVec3::from_array(c),
+        }
+    }
+}
+
+impl MediumTable {
+    fn read(self, wrong: Wrong) -> Result<Medium> {
+        let (shape, scattering, absorption, phase) = match self {
+            MediumTable::Box {
+                min,
+                max,
+                scattering,
+                absorption,
+                phase,
+            } => {
+                let (min, max) = (DVec3::from_array(min), DVec3::from_array(max));
+                if !min.cmplt(max).all() {
+                    return Err(wrong(
+                        "max",
+                        format!("the box from {min} to {max} holds nothing"),
+                        "let each number of max be greater than that of min",
+                    ));
+                }
+                (Shape::Box { min, max }, scattering, absorption, phase)
+            }
+            MediumTable::Haze {
+                top,
+                scattering,
+                absorption,
+                phase,
+            } => (Shape::Haze { top }, scattering, absorption, phase),
+            MediumTable::Height {
+                base,
+                scale_height,
+                far,
+                scattering,
+                absorption,
+                phase,
+            } => (
+                Shape::Height {
+                    base: base.unwrap_or(0.0),
+                    scale_height,
+                    far,
+                },
+                scattering,
+                absorption,
+                phase,
+            ),
+        };
+        Ok(Medium {
+            shape,
+            scattering: scattering.rgb(),
+            absorption: absorption.map_or(DVec3::ZERO, Coefficient::rgb),
+            phase: match phase {
+                None | Some(PhaseTable::Isotropic {}) => Phase::Isotropic,
+                Some(PhaseTable::Rayleigh {}) => Phase::Rayleigh,
+                Some(PhaseTable::HenyeyGreenstein { g }) => Phase::HenyeyGreenstein { g },
+                Some(PhaseTable::CornetteShanks { g }) => Phase::CornetteShanks { g },
+                Some(PhaseTable::NishitaHazy {}) => Phase::NishitaHazy,
+                Some(PhaseTable::NishitaMurky {}) => Phase::NishitaMurky,
+            },
+        })
+    }
+}
+
+impl Scene {
+    /// Moves everything that came with the mesh: scales it, turns Z up into Y up, then adds `origin` [m], in f64.
+    fn place(&mut self, scale: f64, z_up: bool, origin: DVec3) {
+        let turn = match z_up {
+            true => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
+            false => DMat3::IDENTITY,
+        };
+        let moved = |p: DVec3| turn * p * scale + origin;
+        self.mesh.positions.iter_mut().for_each(|p| *p = moved(*p));
+        self.mesh.normals.iter_mut().for_each(|n| *n = turn * *n);
+        for named in &mut self.cameras {
+            let camera = &mut named.camera;
+            camera.eye = moved(camera.eye);
+            camera.forward = turn * camera.forward;
+            camera.up = turn * camera.up;
+            if let Projection::Orthographic { height } = &mut camera.projection {
+                *height *= scale;
+            }
+        }
+        for light in &mut self.lights {
+            light.position = moved(light.position);
+            light.direction = turn * light.direction;
+        }
+    }
+}

@@ -1,0 +1,441 @@
+//! The shape of the project: which module may use which, what belongs together, what stands in no file.
+//!
+//! Every check is a function from texts to complaints, and is shown something bad beside what there is.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+use wgpu::naga;
+
+/// The modules of the library: each uses only those that stand before it. Modules that share a line do not use each
+/// other.
+const ORDER: [&[&str]; 16] = [
+    &["units"],
+    &["error"],
+    &["colour"],
+    &["ephemeris"],
+    &["sky"],
+    &["photometry"],
+    &["medium"],
+    &["scene"],
+    &["frame"],
+    &["conditions"],
+    &["effect"],
+    &["plan"],
+    &["gpu", "reference"],
+    &["output"],
+    &["accuracy"],
+    &["timelapse", "daylight"],
+];
+
+/// Paths from the root with `/`, and what stands there.
+type Files = BTreeMap<String, String>;
+
+/// All texts below `folder` of the repository that end in one of `endings` (all of them for none).
+fn texts(folder: &str, endings: &[&str]) -> Files {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Files::new();
+    let mut folders = vec![root.join(folder)];
+    while let Some(folder) = folders.pop() {
+        let Ok(entries) = folder.read_dir() else {
+            continue;
+        };
+        for path in entries.map(|e| e.expect("the repository can be listed").path()) {
+            let name = path.strip_prefix(root).expect("it is below the root");
+            let parts: Vec<_> = name.iter().map(|part| part.to_string_lossy()).collect();
+            let name = parts.join("/");
+            if path.is_dir() {
+                folders.push(path);
+            } else if endings.is_empty() || endings.iter().any(|e| name.ends_with(e)) {
+                // What is not UTF-8 is no text: pictures, meshes.
+                files.extend(fs::read_to_string(&path).ok().map(|text| (name, text)));
+            }
+        }
+    }
+    files
+}
+
+fn made_up(files: &[(&str, &str)]) -> Files {
+    let own = |(name, text): &(&str, &str)| (name.to_string(), text.to_string());
+    files.iter().map(own).collect()
+}
+
+/// What the compiler reads: the lines without comments.
+fn code(text: &str) -> String {
+    let line = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The identifiers that follow `prefix`, as in `prefix::name` or `prefix::{name, other::thing}`.
+fn paths_after(code: &str, prefix: &str) -> BTreeSet<String> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let first = |path: &str| path.trim().split(|c| !is_name(c)).next().map(str::to_owned);
+    let mut names = BTreeSet::new();
+    for (at, _) in code.match_indices(prefix) {
+        if code[..at].ends_with(|c| is_name(c) || c == ':' || c == '$') {
+            continue;
+        }
+        let rest = code[at + prefix.len()..].trim_start();
+        match rest.strip_prefix('{') {
+            None => names.extend(first(rest)),
+            Some(group) => {
+                let mut depth = 0;
+                let end = group.find(|c| {
+                    depth += i32::from(c == '{') - i32::from(c == '}');
+                    depth < 0
+                });
+                let mut depth = 0;
+                let top = group[..end.unwrap_or(group.len())].split(|c| {
+                    depth += i32::from(c == '{') - i32::from(c == '}');
+                    c == ',' && depth == 0
+                });
+                names.extend(top.filter_map(first));
+            }
+        }
+    }
+    names.remove("");
+    names
+}
+
+/// The module of the library that a file of `src` belongs to.
+fn module(path: &str) -> &str {
+    let path = path.strip_prefix("src/").unwrap_or(path);
+    path.split(['/', '.']).next().unwrap_or_default()
+}
+
+/// What the crate's root passes on under its own name, and from which module.
+fn passed_on(root: &str) -> BTreeMap<String, String> {
+    let code = code(root);
+    let uses = code
+        .split(';')
+        .filter_map(|s| s.trim().strip_prefix("pub use "));
+    let mut names = BTreeMap::new();
+    for path in uses {
+        let path = path.trim_start_matches("crate::");
+        let (module, rest) = path.split_once("::").unwrap_or((path, ""));
+        for name in rest.split(|c: char| !c.is_alphanumeric() && c != '_') {
+            names.insert(name.to_owned(), module.to_owned());
+        }
+    }
+    names
+}
+
+/// Who uses a module that stands later, or that has no place in the order.
+fn against_the_order(files: &Files) -> Vec<String> {
+    let rank = |module: &str| ORDER.iter().position(|line| line.contains(&module));
+    let names = passed_on(files.get("src/lib.rs").map_or("", String::as_str));
+    let mut complaints = Vec::new();
+    for (path, text) in files.iter().filter(|(path, _)| *path != "src/lib.rs") {
+        let user = module(path);
+        let Some(user_rank) = rank(user) else {
+            complaints.push(format!("{path}: `{user}` has no place in the order"));
+            continue;
+        };
+        for used in paths_after(&code(text), "crate::") {
+            let used = names.get(&used).unwrap_or(&used);
+            match rank(used) {
+                None => complaints.push(format!("{path} uses `{used}`, which is no module")),
+                Some(rank) if used != user && rank >= user_rank => {
+                    complaints.push(format!("{path} uses `{used}`, which stands later"));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn modules_use_what_stands_before_them() {
+    let files = texts("src", &[".rs"]);
+    assert!(files.len() > 5, "the library was not found");
+    assert_eq!(against_the_order(&files), [""; 0]);
+
+    let lib = "pub mod units;\npub use error::{Error, Result};\npub use plan::Plan;";
+    let good = [
+        ("src/lib.rs", lib),
+        (
+            "src/sky/mod.rs",
+            "//! [`crate::plan`]\nuse crate::units::DEG; // crate::scene",
+        ),
+        (
+            "src/sky/perez.rs",
+            "use crate::{Error, colour::{Xyz, plan}, sky};",
+        ),
+        (
+            "src/gpu/mod.rs",
+            "use wgpu::crate_like; fn f() { crate::effect::g() }",
+        ),
+    ];
+    assert_eq!(against_the_order(&made_up(&good)), [""; 0]);
+    for bad in [
+        ("src/sky/perez.rs", "use crate::plan::Plan;"),
+        (
+            "src/sky/perez.rs",
+            "use crate::{Error,\n    units, scene::{A, B}};",
+        ),
+        ("src/sky/perez.rs", "fn f() { let x = crate::scene::g(); }"),
+        ("src/effect/shafts.rs", "use crate::Plan;"),
+        ("src/gpu/mod.rs", "use crate::reference::curtain;"),
+        ("src/reference/mod.rs", "use crate::gpu;"),
+        ("src/helpers.rs", ""),
+        ("src/sky/perez.rs", "use crate::helpers;"),
+    ] {
+        let complaints = against_the_order(&made_up(&[("src/lib.rs", lib), bad]));
+        assert_eq!(complaints.len(), 1, "{bad:?}: {complaints:?}");
+    }
+}
+
+/// Who names a crate that belongs to others: `crates` lists each with the places that may.
+fn out_of_place(files: &Files, crates: &[(&str, &[&str])]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for (path, text) in files {
+        let code = code(text);
+        for (name, places) in crates {
+            let allowed = places.iter().any(|place| path.starts_with(place));
+            if !allowed && !paths_after(&code, &format!("{name}::")).is_empty() {
+                complaints.push(format!("{path} names `{name}`"));
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn crates_stay_in_their_place() {
+    let crates: [(&str, &[&str]); 5] = [
+        ("wgpu", &["src/gpu", "tests/"]),
+        ("clap", &["cli/"]),
+        ("miette", &["cli/"]),
+        ("indicatif", &["cli/"]),
+        ("thiserror", &["src/"]),
+    ];
+    let mut files = texts("src", &[".rs"]);
+    files.extend(texts("cli", &[".rs"]));
+    assert_eq!(out_of_place(&files, &crates), [""; 0]);
+    for bad in [
+        ("src/effect/shafts.rs", "fn f(device: &wgpu::Device) {}"),
+        ("src/plan.rs", "use indicatif::ProgressBar;"),
+        ("cli/src/main.rs", "use wgpu::{Adapter, Instance};"),
+    ] {
+        assert_eq!(out_of_place(&made_up(&[bad]), &crates).len(), 1, "{bad:?}");
+    }
+}
+
+/// What a library must not do to its user: print, exit, give up.
+fn bad_manners(files: &Files) -> Vec<String> {
+    let forbidden = [
+        "println!(",
+        "eprintln!(",
+        "print!(",
+        "eprint!(",
+        "dbg!(",
+        "process::exit",
+    ];
+    let mut complaints = Vec::new();
+    for (path, text) in files {
+        // Unit tests stand at the end of a file.
+        let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let code = code(text);
+        let found = forbidden.iter().filter(|word| code.contains(**word));
+        complaints.extend(found.map(|word| format!("{path}: {word}")));
+    }
+    complaints
+}
+
+#[test]
+fn the_library_is_silent() {
+    assert_eq!(bad_manners(&texts("src", &[".rs"])), [""; 0]);
+    let bad = made_up(&[("src/sky/mod.rs", "fn f() { std::process::exit(1) }")]);
+    assert_eq!(bad_manners(&bad).len(), 1);
+    let test = made_up(&[(
+        "src/a.rs",
+        "#[cfg(test)]\nmod tests { fn f() { println!(\"a\") } }",
+    )]);
+    assert_eq!(bad_manners(&test), [""; 0]);
+}
+
+/// Shaders without the effect of the same stem.
+fn orphans(shaders: &Files, effects: &Files) -> Vec<String> {
+    let own = shaders
+        .keys()
+        .filter(|path| !path.starts_with("shaders/common/"));
+    let stem = |path: &str| {
+        let name = path.strip_prefix("shaders/").unwrap_or(path);
+        name.strip_suffix(".wgsl").unwrap_or(name).to_owned()
+    };
+    own.map(|path| stem(path))
+        .filter(|stem| !effects.contains_key(&format!("src/effect/{stem}.rs")))
+        .map(|stem| format!("shaders/{stem}.wgsl has no src/effect/{stem}.rs"))
+        .collect()
+}
+
+#[test]
+fn a_shader_has_its_effect() {
+    let effects = texts("src/effect", &[".rs"]);
+    assert_eq!(orphans(&texts("shaders", &[".wgsl"]), &effects), [""; 0]);
+    let effects = made_up(&[("src/effect/shafts_march.rs", "")]);
+    let shaders = made_up(&[
+        ("shaders/shafts_march.wgsl", ""),
+        ("shaders/common/phase.wgsl", ""),
+        ("shaders/shaft_march.wgsl", ""),
+    ]);
+    let found = orphans(&shaders, &effects);
+    assert_eq!(
+        found,
+        ["shaders/shaft_march.wgsl has no src/effect/shaft_march.rs"]
+    );
+}
+
+/// What is wrong with the shaders, each read after all of `shaders/common`.
+fn invalid(shaders: &Files) -> Vec<String> {
+    let (common, own): (Vec<_>, Vec<_>) = shaders
+        .iter()
+        .partition(|(path, _)| path.starts_with("shaders/common/"));
+    let common: String = common.into_iter().map(|(_, text)| text.as_str()).collect();
+    let mut validator = naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::default(),
+    );
+    let mut complaints = Vec::new();
+    let all = own
+        .into_iter()
+        .map(|(path, text)| (path.as_str(), text.as_str()));
+    for (path, text) in all.chain([("shaders/common", "")]) {
+        let source = format!("{common}{text}");
+        match naga::front::wgsl::parse_str(&source) {
+            Err(error) => complaints.push(error.emit_to_string_with_path(&source, path)),
+            Ok(module) => {
+                if let Err(error) = validator.validate(&module) {
+                    complaints.push(error.emit_to_string_with_path(&source, path));
+                }
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn shaders_are_valid() {
+    assert_eq!(invalid(&texts("shaders", &[".wgsl"])), [""; 0]);
+    let common = (
+        "shaders/common/a.wgsl",
+        "fn twice(x: f32) -> f32 { return 2.0 * x; }\n",
+    );
+    let with = |body: &str| {
+        let text = format!("@compute @workgroup_size(1) fn main() {{ {body} }}");
+        invalid(&made_up(&[common, ("shaders/b.wgsl", &text)]))
+    };
+    assert_eq!(with("let y = twice(1.0);"), [""; 0]);
+    // Not a word of the language; a type that does not fit; parsed, and invalid.
+    for bad in ["let y == 1;", "let y = twice(vec2f(1.0));", "return 1.0;"] {
+        assert_eq!(with(bad).len(), 1, "{bad}");
+    }
+}
+
+/// Where a text says what belongs on one machine, or that something is left to do.
+fn leftovers(files: &Files) -> Vec<String> {
+    // Put together here, so that this file passes.
+    let paths = ["/wo_rk/", "/ro_ot/", "/ho_me/", ".lib_rary", "/Us_ers/"];
+    let words = ["TO_DO", "FIX_ME", "XX_X", "unimple_mented!", "to_do!"];
+    let whole = |text: &str, at: usize, length: usize| {
+        let is_name = |c: char| c.is_alphanumeric() || c == '_';
+        !text[..at].ends_with(is_name) && !text[at + length..].starts_with(is_name)
+    };
+    let mut complaints = Vec::new();
+    for (path, text) in files {
+        for (number, line) in text.lines().enumerate() {
+            let place = format!("{path}:{}", number + 1);
+            for found in paths.map(|word| word.replace('_', "")) {
+                // A path of a machine begins there: a/root/b is somebody's folder.
+                let starts = |(at, _): (usize, &str)| {
+                    !line[..at].ends_with(|c: char| c.is_alphanumeric() || c == '.' || c == '}')
+                };
+                if line.match_indices(&found).any(starts) {
+                    complaints.push(format!("{place}: {found}"));
+                }
+            }
+            for found in words.map(|word| word.replace('_', "")) {
+                let whole = |(at, _)| whole(line, at, found.len());
+                if line.match_indices(&found).any(whole) {
+                    complaints.push(format!("{place}: {found}"));
+                }
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn nothing_is_left_over() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Files::new();
+    for folder in [
+        ".cargo", ".ci", "benches", "cli", "data", "docs", "examples", "shaders", "src", "tests",
+        "xtask",
+    ] {
+        files.extend(texts(folder, &[]));
+    }
+    let top = root.read_dir().expect("the repository can be listed");
+    let top: Vec<PathBuf> = top.map(|e| e.expect("an entry").path()).collect();
+    for path in top.iter().filter(|path| path.is_file()) {
+        let name = path
+            .file_name()
+            .expect("a file has a name")
+            .to_string_lossy();
+        let known = name.starts_with("LICENSE") || name == "NOTICE" || name == ".gitignore";
+        if known || name.ends_with(".md") || name.ends_with(".toml") {
+            files.extend(
+                fs::read_to_string(path)
+                    .ok()
+                    .map(|text| (name.into(), text)),
+            );
+        }
+    }
+    assert!(files.contains_key("Cargo.toml") && files.contains_key(".ci/run"));
+    assert_eq!(leftovers(&files), [""; 0]);
+
+    for good in [
+        "a/root/b",
+        "mastodon",
+        "the FIXMEs",
+        "todo!x",
+        "src/work/",
+        "${X}/work/",
+    ] {
+        let good = made_up(&[("a.rs", good)]);
+        assert_eq!(leftovers(&good), [""; 0]);
+    }
+    for bad in [
+        "\"/ro_ot/.cargo\"",
+        "// TO_DO: more",
+        "to_do!()",
+        "cd /wo_rk/x",
+        "(FIX_ME)",
+        "~/.lib_rary",
+    ] {
+        let bad = made_up(&[("a.rs", &bad.replace('_', ""))]);
+        assert_eq!(leftovers(&bad).len(), 1, "{bad:?}");
+    }
+}
+
+/// The lines that a file should not be longer than; one concept is one file.
+const LONGEST: usize = 800;
+
+fn too_long(files: &Files) -> Vec<String> {
+    let long = files
+        .iter()
+        .map(|(path, text)| (path, text.lines().count()));
+    long.filter(|(_, lines)| *lines > LONGEST)
+        .map(|(path, lines)| format!("{path} has {lines} lines"))
+        .collect()
+}
+
+#[test]
+fn one_concept_is_one_file() {
+    for folder in ["src", "cli", "xtask", "tests", "shaders"] {
+        assert_eq!(too_long(&texts(folder, &[".rs", ".wgsl", ".py"])), [""; 0]);
+    }
+    let long = "\n".repeat(LONGEST + 1);
+    assert_eq!(too_long(&made_up(&[("src/a.rs", &long)])).len(), 1);
+}

@@ -1,0 +1,530 @@
+//! What is written is what was computed, for the exr crate and for OpenEXR's own library, and nothing is left of
+//! what could not be written.
+
+mod common;
+
+use glam::{DMat3, DVec2, DVec3, Vec3};
+use serde_json::Value as Json;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use tyndall::frame::{Frame, LAYERS, Layer, NO_HIT};
+use tyndall::output::{OutputSpace, atomic, check_targets, exr, hdr, png, report, select_layers};
+
+/// Linear Rec. 709, by the matrix of ITU-R BT.2087 inverted: dark Rec. 2020 greens become negative in it.
+fn rec709() -> OutputSpace {
+    OutputSpace {
+        name: "rec709",
+        from_working: DMat3::from_cols(
+            DVec3::new(1.660_491, -0.124_550_5, -0.018_150_8),
+            DVec3::new(-0.587_641_1, 1.132_899_9, -0.100_578_9),
+            DVec3::new(-0.072_849_9, -0.008_349_4, 1.118_729_7),
+        ),
+        primaries: [
+            DVec2::new(0.64, 0.33),
+            DVec2::new(0.30, 0.60),
+            DVec2::new(0.15, 0.06),
+        ],
+        white: DVec2::new(0.3127, 0.3290),
+    }
+}
+
+/// Values of every size, from a shadow's to the sun's disc, in five of the seven layers.
+fn frame(width: u32, height: u32) -> Frame {
+    let mut frame = Frame::new(width, height);
+    let pixels = frame.pixels();
+    for (k, name) in LAYERS.into_iter().enumerate() {
+        if ["lights", "inscatter_lights"].contains(&name) {
+            continue;
+        }
+        let value = |i: usize, c: usize| ((7 * i + 3 * k + 5 * c) % 11) as f32 * 123.456;
+        let mut rgb: Vec<Vec3> = (0..pixels)
+            .map(|i| Vec3::new(value(i, 0), value(i, 1), value(i, 2)))
+            .collect();
+        if name == "background" {
+            rgb[pixels / 2] = Vec3::splat(1.6e9);
+        }
+        frame.layers.push(Layer { name, rgb });
+    }
+    for i in 0..pixels {
+        frame.depth[i] = if i % 3 == 0 { NO_HIT } else { 0.25 * i as f32 };
+        frame.normal[i] = Vec3::new(0.6, -0.8, 0.0);
+        frame.transmittance[i] = Vec3::new(0.9, 0.8, 0.7);
+    }
+    frame.record.set("utc", "2026-06-21T16:30:00Z");
+    frame.record.set("scene", "Kölner Dom");
+    frame.record.set("sun_azimuth_deg", 0.1 + 0.2);
+    frame
+}
+
+/// What a reader found in a file.
+#[derive(Debug, Clone, Default)]
+struct Found {
+    layout: BTreeMap<String, Json>,
+    channels: BTreeMap<String, Vec<f32>>,
+    texts: BTreeMap<String, String>,
+    numbers: BTreeMap<String, f64>,
+}
+
+/// As the exr crate reads it.
+fn by_crate(path: &Path) -> Found {
+    use ::exr::prelude::*;
+    let image = read_all_flat_layers_from_file(path).expect("the exr crate reads the file");
+    let mut found = Found::default();
+    let layer = &image.layer_data[0];
+    let encoding = layer.encoding;
+    let layout = [
+        ("parts", Json::from(image.layer_data.len())),
+        ("width", layer.size.0.into()),
+        ("height", layer.size.1.into()),
+        ("zip16", (encoding.compression == Compression::ZIP16).into()),
+        ("scan_lines", (encoding.blocks == Blocks::ScanLines).into()),
+        (
+            "increasing",
+            (encoding.line_order == LineOrder::Increasing).into(),
+        ),
+    ];
+    assert!(
+        layer.attributes.layer_name.is_none(),
+        "the layer has a name"
+    );
+    found.layout = layout.map(|(name, value)| (name.into(), value)).into();
+    for channel in &layer.channel_data.list {
+        let FlatSamples::F32(values) = &channel.sample_data else {
+            panic!("{} is not 32-bit float", channel.name);
+        };
+        let name = channel.name.to_string();
+        assert!(!channel.quantize_linearly, "{name}");
+        found.channels.insert(name, values.clone());
+    }
+    for (name, value) in &layer.attributes.other {
+        match value {
+            AttributeValue::Text(text) => {
+                let text = std::str::from_utf8(text.as_slice()).expect("texts are UTF-8");
+                found.texts.insert(name.to_string(), text.into());
+            }
+            AttributeValue::F64(number) => {
+                found.numbers.insert(name.to_string(), *number);
+            }
+            _ => panic!("{name} is neither text nor a number"),
+        }
+    }
+    let white = layer.attributes.white_luminance.unwrap_or(f32::NAN);
+    found.numbers.insert("whiteLuminance".into(), white.into());
+    let chromaticities = image.attributes.chromaticities.expect("there are some");
+    let attribute::Chromaticities {
+        red,
+        green,
+        blue,
+        white,
+    } = chromaticities;
+    for (i, v) in [red, green, blue, white]
+        .iter()
+        .flat_map(|xy| [xy.0, xy.1])
+        .enumerate()
+    {
+        found
+            .numbers
+            .insert(format!("chromaticities.{i}"), v.into());
+    }
+    found
+}
+
+/// As OpenEXR's own library reads it, or `None` where there is no Python for the tests.
+fn by_openexr(test: &str, path: &Path) -> Option<Found> {
+    let printed = common::python(test, "exr.py", path.to_str().expect("the path is UTF-8"))?;
+    let json: Json = serde_json::from_str(&printed).expect("the script prints JSON");
+    let read = |key: &str| json[key].as_object().expect("a table").clone();
+    let mut layout: BTreeMap<String, Json> = json
+        .as_object()
+        .expect("a table")
+        .clone()
+        .into_iter()
+        .collect();
+    layout.retain(|key, _| !["channels", "texts", "numbers"].contains(&key.as_str()));
+    let float = |v: &Json| v.as_f64().expect("a number");
+    let text = |v: &Json| v.as_str().expect("a text").to_owned();
+    Some(Found {
+        layout,
+        channels: read("channels")
+            .into_iter()
+            .map(|(k, v)| {
+                let values = v.as_array().expect("a list").iter();
+                (k, values.map(|v| float(v) as f32).collect())
+            })
+            .collect(),
+        texts: read("texts")
+            .into_iter()
+            .map(|(k, v)| (k, text(&v)))
+            .collect(),
+        numbers: read("numbers")
+            .into_iter()
+            .map(|(k, v)| (k, float(&v)))
+            .collect(),
+    })
+}
+
+/// What a file must hold to be `frame` in `space`, or what is wrong with it.
+fn compare(found: &Found, frame: &Frame, space: &OutputSpace) -> Result<(), String> {
+    let layout = [
+        ("parts", Json::from(1)),
+        ("width", frame.width.into()),
+        ("height", frame.height.into()),
+        ("zip16", true.into()),
+        ("scan_lines", true.into()),
+        ("increasing", true.into()),
+    ];
+    for (name, value) in layout {
+        if found.layout.get(name) != Some(&value) {
+            return Err(format!("{name} is {:?}", found.layout.get(name)));
+        }
+    }
+    let channel = |name: &str| {
+        let values = found
+            .channels
+            .get(name)
+            .ok_or(format!("no channel {name}"))?;
+        if values.len() == frame.pixels() {
+            Ok(values)
+        } else {
+            Err(format!("{name} has {} values", values.len()))
+        }
+    };
+    let count = 4 + 3 * (LAYERS.len() + 2);
+    if found.channels.len() != count {
+        return Err(format!("{} channels", found.channels.len()));
+    }
+    for i in 0..frame.pixels() {
+        for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let mut sum = 0.0;
+            let mut size = 0f64;
+            for name in LAYERS {
+                let value = f64::from(channel(&format!("{name}.{letter}"))?[i]);
+                let rgb = frame
+                    .layer(name)
+                    .map_or(DVec3::ZERO, |l| l.rgb[i].as_dvec3());
+                let expected = (space.from_working * rgb)[c];
+                // Half a unit in the last place of f32.
+                if (value - expected).abs() > 6e-8 * expected.abs() {
+                    return Err(format!("{name}.{letter} is {value}, not {expected}"));
+                }
+                sum += value;
+                size = size.max(value.abs());
+            }
+            let picture = f64::from(channel(letter)?[i]);
+            if (picture - sum).abs() > 1e-5 * size {
+                return Err(format!("{letter} is {picture}, its layers are {sum}"));
+            }
+            if channel(&format!("transmittance.{letter}"))?[i] != frame.transmittance[i][c] {
+                return Err(format!("transmittance.{letter} at {i}"));
+            }
+            let axis = ["X", "Y", "Z"][c];
+            if channel(&format!("normal.{axis}"))?[i] != frame.normal[i][c] {
+                return Err(format!("normal.{axis} at {i}"));
+            }
+        }
+        if channel("Z")?[i] != frame.depth[i] {
+            return Err(format!("Z is {} at {i}", channel("Z")?[i]));
+        }
+    }
+    let texts = [
+        ("tyndall:utc", "2026-06-21T16:30:00Z"),
+        ("tyndall:scene", "Kölner Dom"),
+        ("tyndall:color_space", space.name),
+    ];
+    for (name, text) in texts {
+        if found.texts.get(name).map(String::as_str) != Some(text) {
+            return Err(format!("{name} is {:?}", found.texts.get(name)));
+        }
+    }
+    let [red, green, blue] = space.primaries;
+    let xy = [red, green, blue, space.white]
+        .map(|v| v.to_array())
+        .concat();
+    let numbers = xy
+        .iter()
+        // The format keeps chromaticities as f32.
+        .map(|v| f64::from(*v as f32))
+        .enumerate()
+        .map(|(i, v)| (format!("chromaticities.{i}"), v))
+        .chain([
+            ("whiteLuminance".into(), 1.0),
+            ("tyndall:sun_azimuth_deg".into(), 0.1 + 0.2),
+        ]);
+    for (name, number) in numbers {
+        if found.numbers.get(&name) != Some(&number) {
+            return Err(format!(
+                "{name} is {:?}, not {number}",
+                found.numbers.get(&name)
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn write_exr(path: &Path, frame: &Frame) {
+    let all = select_layers::<&str>(&[]).expect("no names are all names");
+    exr::write(path, frame, &rec709(), &all).expect("the file is written");
+}
+
+#[test]
+fn the_exr_holds_the_frame() {
+    let test = "output::the_exr_holds_the_frame";
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.exr");
+    // One pixel; a row; fewer, as many and more rows than a block of 16.
+    let sizes = [(1, 1), (5, 1), (37, 15), (3, 16), (8, 33)];
+    let mut python = true;
+    for (width, height) in sizes {
+        let frame = frame(width, height);
+        write_exr(&path, &frame);
+        let mut readings = vec![by_crate(&path)];
+        if python {
+            match by_openexr(test, &path) {
+                Some(found) => readings.push(found),
+                None => python = false,
+            }
+        }
+        for found in readings {
+            compare(&found, &frame, &rec709()).expect("the file holds the frame");
+            assert_eq!(found.channels["lights.G"], vec![0.0; frame.pixels()]);
+        }
+    }
+}
+
+#[test]
+fn another_frame_is_noticed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.exr");
+    let right = frame(6, 20);
+    let spoil: [fn(&mut Frame); 5] = [
+        |f| f.layers[1].rgb[77].y *= 1.000_01,
+        |f| f.depth[3] = 1e9,
+        |f| f.normal.swap(0, 1),
+        |f| f.transmittance[119].z = 0.699,
+        |f| f.record.set("utc", "2026-06-21T18:30:00Z"),
+    ];
+    for (index, spoil) in spoil.into_iter().enumerate() {
+        let mut wrong = right.clone();
+        wrong.normal[0].z = 0.1;
+        let mut right = right.clone();
+        right.normal[0].z = 0.1;
+        spoil(&mut wrong);
+        write_exr(&path, &wrong);
+        let found = by_crate(&path);
+        assert!(compare(&found, &right, &rec709()).is_err(), "spoil {index}");
+        compare(&found, &wrong, &rec709())
+            .or_else(|e| if index == 4 { Ok(()) } else { Err(e) })
+            .expect("it is the spoilt frame");
+    }
+    // The layers may be right and the picture not their sum, or the space another one.
+    write_exr(&path, &right);
+    let mut found = by_crate(&path);
+    compare(&found, &right, &rec709()).expect("nothing is wrong with it");
+    let mut space = rec709();
+    space.white.x += 1e-3;
+    assert!(compare(&found, &right, &space).is_err());
+    found.channels.get_mut("R").expect("red")[7] *= 1.000_1;
+    assert!(compare(&found, &right, &rec709()).is_err());
+}
+
+#[test]
+fn the_same_picture_is_the_same_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (a, b) = (folder.path().join("a.exr"), folder.path().join("b.exr"));
+    let mut frame = frame(9, 9);
+    for i in 0..40 {
+        frame.record.set(format!("knob_{i}"), f64::from(i));
+    }
+    write_exr(&a, &frame);
+    write_exr(&b, &frame);
+    let (a, b) = (fs::read(a).expect("a"), fs::read(b).expect("b"));
+    assert!(a == b, "two writes differ");
+}
+
+#[test]
+fn layers_left_out_are_left_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.exr");
+    let layers = select_layers(&["sun", "normal"]).expect("both are known");
+    let frame = frame(4, 4);
+    exr::write(&path, &frame, &rec709(), &layers).expect("the file is written");
+    let found = by_crate(&path);
+    let names: Vec<&str> = found.channels.keys().map(String::as_str).collect();
+    assert_eq!(
+        names,
+        [
+            "B", "G", "R", "Z", "normal.X", "normal.Y", "normal.Z", "sun.B", "sun.G", "sun.R"
+        ]
+    );
+    // The picture is whole whatever is listed beside it.
+    let red = rec709().from_working.row(0).dot(frame.picture(3));
+    assert_eq!(found.channels["R"][3], red as f32);
+}
+
+#[test]
+fn the_png_decodes_to_the_bytes_given() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.png");
+    let frame = frame(13, 7);
+    let bytes = png::encode(&frame, |x, y, rgb| {
+        [x as u8, 10 * y as u8, (rgb.x % 251.0) as u8]
+    });
+    assert_eq!(bytes[3 * (2 * 13 + 5)..][..2], [5, 20]);
+    png::write(&path, 13, 7, &bytes).expect("the file is written");
+    let decoded = image::open(&path).expect("image reads it").into_rgb8();
+    assert_eq!(decoded.dimensions(), (13, 7));
+    assert!(decoded.into_raw() == bytes, "other bytes came back");
+    let file = fs::read(&path).expect("the file");
+    let has = |chunk: &[u8]| file.windows(4).any(|w| w == chunk);
+    assert!(has(b"sRGB") && !has(b"iCCP"), "it is marked as sRGB");
+    // Too few bytes: an error, and the picture that was there still is.
+    let error = png::write(&path, 13, 8, &bytes).expect_err("bytes are missing");
+    assert!(!error.is_input(), "{error}");
+    assert!(fs::read(&path).expect("the file") == file);
+}
+
+#[test]
+fn the_hdr_is_within_its_steps() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.hdr");
+    // 7 is below what is run-length encoded; 300 has long runs, made here.
+    for width in [1, 7, 8, 300] {
+        let mut frame = frame(width, 3);
+        for layer in &mut frame.layers {
+            layer.rgb[(width as usize)..][..width as usize / 2].fill(Vec3::splat(5.0));
+        }
+        hdr::write(&path, &frame, &rec709()).expect("the file is written");
+        let decoded = image::open(&path).expect("image reads it").into_rgb32f();
+        assert_eq!(decoded.dimensions(), (width, 3));
+        for (i, pixel) in decoded.pixels().enumerate() {
+            let expected = (rec709().from_working * frame.picture(i)).max(DVec3::ZERO);
+            for c in 0..3 {
+                let found = f64::from(pixel.0[c]) * hdr::WHITE_EFFICACY;
+                // A mantissa of at least 128 of the largest component, rounded down, or read at its middle.
+                let step = expected.max_element() / 127.0;
+                assert!(
+                    (found - expected[c]).abs() <= step,
+                    "{found} for {expected}"
+                );
+            }
+        }
+        let text = fs::read(&path).expect("the file");
+        let header = String::from_utf8_lossy(&text[..160.min(text.len())]).into_owned();
+        assert!(
+            header.contains("PRIMARIES= 0.6400 0.3300 0.3000"),
+            "{header}"
+        );
+    }
+}
+
+#[test]
+fn reports_are_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.json");
+    report::write(&path, &frame(1, 1).record).expect("the file is written");
+    let text = fs::read_to_string(&path).expect("the file");
+    assert!(text.starts_with("{\n  \"utc\": \"2026-06-21T16:30:00Z\"") && text.ends_with("}\n"));
+    let json: Json = serde_json::from_str(&text).expect("it is JSON");
+    assert_eq!(json["sun_azimuth_deg"].as_f64(), Some(0.1 + 0.2));
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("the folder is there");
+    let name = |e: std::io::Result<fs::DirEntry>| e.expect("an entry").file_name();
+    let mut names: Vec<String> = entries.map(|e| name(e).to_string_lossy().into()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn nothing_is_left_of_what_failed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.exr");
+    let mut bad = frame(5, 5);
+    bad.layers[2].rgb[13].z = f32::NAN;
+    let error = exr::write(&path, &bad, &rec709(), &[]).expect_err("NaN is not written");
+    assert!(error.to_string().contains("background is") && error.to_string().contains("(3, 2)"));
+    assert!(names(folder.path()).is_empty(), "something was left");
+
+    fs::write(&path, "before").expect("the folder can be written");
+    let full = |file: &mut fs::File| {
+        std::io::Write::write_all(file, b"half a fi")?;
+        Err(std::io::ErrorKind::StorageFull.into())
+    };
+    let error = atomic::write(&path, full).expect_err("the disk is full");
+    assert!(
+        !error.is_input() && error.to_string().contains("a.exr"),
+        "{error}"
+    );
+    assert_eq!(names(folder.path()), ["a.exr"]);
+    assert_eq!(fs::read_to_string(&path).expect("the file"), "before");
+
+    atomic::write(&path, |f| std::io::Write::write_all(f, b"after")).expect("there is room");
+    assert_eq!(names(folder.path()), ["a.exr"]);
+    assert_eq!(fs::read_to_string(&path).expect("the file"), "after");
+}
+
+#[test]
+fn what_cannot_be_written_is_known_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = |name: &str| folder.path().join(name);
+    check_targets(&[here("a.exr"), here("b.png")]).expect("both can be written");
+    assert!(names(folder.path()).is_empty(), "the check left something");
+
+    fs::write(here("file"), "").expect("the folder can be written");
+    fs::create_dir(here("folder.exr")).expect("the folder can be written");
+    fs::write(here("protected.exr"), "mine").expect("the folder can be written");
+    let mut protected = fs::metadata(here("protected.exr"))
+        .expect("it is there")
+        .permissions();
+    protected.set_readonly(true);
+    fs::set_permissions(here("protected.exr"), protected).expect("it is ours");
+    let before = names(folder.path());
+    let mut bad = vec![
+        here("missing/a.exr"),
+        here("file/a.exr"),
+        here("folder.exr"),
+        here("protected.exr"),
+    ];
+    if cfg!(target_os = "linux") {
+        // A folder that even root cannot write.
+        bad.push("/proc/a.exr".into());
+    }
+    for path in bad {
+        let error = check_targets(std::slice::from_ref(&path)).expect_err("it cannot be written");
+        assert!(!error.is_input(), "the work fails, with status 1: {error}");
+        assert!(
+            error.to_string().contains(path.to_str().expect("UTF-8")),
+            "{error}"
+        );
+        let error = exr::write(&path, &frame(2, 2), &rec709(), &[]).expect_err("nor is it");
+        assert!(!error.is_input(), "{error}");
+    }
+    assert_eq!(names(folder.path()), before);
+    assert_eq!(
+        fs::read_to_string(here("protected.exr")).ok().as_deref(),
+        Some("mine")
+    );
+
+    let twice = check_targets(&[here("a.exr"), here("a.exr")]).expect_err("it is named twice");
+    assert!(twice.is_input());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_stay_and_devices_are_left_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, link) = (folder.path().join("a"), folder.path().join("b"));
+    fs::write(&file, "before").expect("the folder can be written");
+    std::os::unix::fs::symlink(&file, &link).expect("the folder can be written");
+    atomic::write(&link, |f| std::io::Write::write_all(f, b"after")).expect("there is room");
+    assert!(
+        fs::symlink_metadata(&link)
+            .expect("it is there")
+            .is_symlink()
+    );
+    assert_eq!(fs::read_to_string(&file).expect("the file"), "after");
+    assert!(atomic::check(Path::new("/dev/null")).is_err());
+    assert!(!fs::metadata("/dev/null").expect("it is there").is_file());
+}
