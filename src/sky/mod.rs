@@ -17,6 +17,7 @@ pub mod day;
 pub mod gradation;
 pub mod hemisphere;
 pub mod hosek;
+pub mod map;
 pub mod named;
 pub mod patches;
 pub mod perez;
