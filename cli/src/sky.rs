@@ -153,7 +153,9 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let ev100 = match args.exposure {
         Exposure::Ev100(ev) => ev,
         Exposure::Auto => {
-            exposure::auto((0..frame.pixels()).map(|i| luminance(frame.picture(i)))).unwrap_or(0.0)
+            // A sky is brighter than the grey that a meter expects: one stop more, as photographers give it.
+            exposure::auto((0..frame.pixels()).map(|i| luminance(frame.picture(i))))
+                .map_or(0.0, |ev| ev - 1.0)
         }
     };
     let space = render::output_space(args.color_space);
