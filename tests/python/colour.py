@@ -93,7 +93,19 @@ def temperature(xyz):
     ]
 
 
+def delta_e(pairs):
+    """Delta E 2000 of pairs of 8-bit sRGB codes (whole or not)."""
+
+    def lab(codes):
+        linear = colour.models.eotf_sRGB(np.array(codes) / 255)
+        xyz = colour.RGB_to_XYZ(linear, SPACES["rec709"], chromatic_adaptation_transform=None)
+        return colour.XYZ_to_Lab(xyz, SPACES["rec709"].whitepoint)
+
+    return colour.delta_E(lab([a for a, _ in pairs]), lab([b for _, b in pairs]), method="CIE 2000")
+
+
 TASKS = {
+    "delta_e": delta_e,
     "temperature": temperature,
     "xyy_to_xyz": colour.xyY_to_XYZ,
     "xyz_to_rgb": lambda tasks: [xyz_to_rgb(task) for task in tasks],
