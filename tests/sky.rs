@@ -305,17 +305,29 @@ fn sweep(model: Model, from: f64, to: f64, allowed: f64) {
 #[test]
 fn no_seam_from_noon_to_night() {
     // 2 %, and 1 % for the gradient of the sky itself: under the setting sun the horizon fades by 2.1 % a hundredth of a degree.
-    for model in [
+    let models = [
         PEREZ,
+        Model::Perez {
+            turbidity: 1.0,
+            irradiance: None,
+        },
+        Model::Perez {
+            turbidity: 10.0,
+            irradiance: None,
+        },
         HOSEK,
-        PREETHAM,
+        Model::Hosek {
+            turbidity: 10.0,
+            albedo: 1.0,
+        },
+        Model::Preetham { turbidity: 2.0 },
         Model::Preetham { turbidity: 10.0 },
         cie(1),
         cie(12),
-    ] {
-        sweep(model, 12.0, -19.0, 0.03);
+    ];
+    for model in models {
+        sweep(model, 90.0, -19.0, 0.03);
     }
-    sweep(PEREZ, 90.0, 12.0, 0.02);
     sweep(measured(420.0, 110.0), 40.0, -3.0, 0.03);
     // The night: the same whatever the sun does.
     assert_eq!(sky(PEREZ, -18.0).zenith(), sky(PEREZ, -60.0).zenith());
@@ -481,7 +493,7 @@ fn sunlight_has_published_values() {
                 .illuminance,
         )
     };
-    // Outside the atmosphere: 133 klx by ASTM G173 (accepted values 128 to 134), 1 341 W/m2 from 0.3 to 4 micrometres.
+    // Outside the atmosphere: 133 klx by ASTM G173 (accepted values 128 to 134), 1 340 W/m2 from 0.3 to 4 micrometres.
     let outside = SunLight::new(&SunPath {
         pressure_hpa: 0.0,
         ozone_cm: 0.0,
@@ -496,7 +508,7 @@ fn sunlight_has_published_values() {
         luminance(outside.illuminance)
     );
     assert!(
-        (outside.irradiance.unwrap() / 1341.0 - 1.0).abs() < 0.002,
+        (outside.irradiance.unwrap() / 1339.7 - 1.0).abs() < 0.002,
         "{:?}",
         outside.irradiance
     );
@@ -556,4 +568,99 @@ fn the_sun_sets_smoothly_and_reddens() {
             "{elevation}"
         );
     }
+}
+
+#[test]
+fn patches_fill_the_dome_and_sum_to_its_illuminance() {
+    use tyndall::sky::patches::{Subdivision, dome, radiances, raw_share};
+    for (subdivision, count) in [
+        (Subdivision::Triangles, 5728),
+        (Subdivision::Tregenza, 145),
+        (Subdivision::Reinhart(2), 577),
+        (Subdivision::Reinhart(4), 2305),
+    ] {
+        let patches = dome(subdivision).unwrap();
+        assert_eq!(patches.len(), count);
+        let solid: f64 = patches.iter().map(|p| p.solid_angle).sum();
+        let projected: f64 = patches.iter().map(|p| p.projected).sum();
+        assert!(
+            (solid / (2.0 * PI) - 1.0).abs() < 1e-12,
+            "{subdivision:?} {solid}"
+        );
+        assert!(
+            (projected / PI - 1.0).abs() < 1e-12,
+            "{subdivision:?} {projected}"
+        );
+        for p in &patches {
+            assert!((p.direction.length() - 1.0).abs() < 1e-12 && p.direction.y > 0.0);
+            // A patch's projected solid angle is its solid angle times the sine of some elevation within it.
+            let sine = p.projected / p.solid_angle;
+            assert!((sine - p.direction.y).abs() < 0.03, "{p:?}");
+        }
+        for (model, elevation) in [
+            (PEREZ, 55.0),
+            (PEREZ, 12.0),
+            (HOSEK, 25.0),
+            (cie(1), 40.0),
+            (PEREZ, -3.0),
+        ] {
+            let sky = sky(model, elevation);
+            let sum: DVec3 = radiances(&sky, &patches)
+                .iter()
+                .zip(&patches)
+                .map(|(l, p)| *l * p.projected)
+                .sum();
+            let own = sky.horizontal_illuminance();
+            assert!(
+                (sum / own - DVec3::ONE).abs().max_element() < 1e-3,
+                "{subdivision:?} {model:?}"
+            );
+            // The common factor is no crutch: 5 728 triangles do without, 145 patches err by some per cent.
+            let raw = raw_share(&sky, &patches);
+            let allowed = if count == 5728 { 1e-3 } else { 0.06 };
+            assert!(
+                (raw - 1.0).abs() < allowed,
+                "{subdivision:?} {model:?} {elevation}: {raw}"
+            );
+        }
+    }
+    let triangles = dome(Subdivision::Triangles).unwrap();
+    let mean = 2.0 * PI / 5728.0;
+    assert!(
+        triangles
+            .iter()
+            .all(|p| (0.4..1.8).contains(&(p.solid_angle / mean)))
+    );
+    assert!(dome(Subdivision::Reinhart(0)).is_err() && dome(Subdivision::Reinhart(17)).is_err());
+}
+
+#[test]
+fn sunlight_is_that_of_astm_g173() {
+    // The standard's direct spectrum: air mass 1.5 (41.8 degrees), aerosol optical depth 0.084 at 500 nm, 0.344 atm-cm of
+    // ozone, 1.416 cm of water, computed by SMARTS: 900.1 W/m2, and by the 1931 observer 97 140 lx
+    // and x, y 0.3391, 0.3501.
+    // Our aerosol has exponent 1.3: turbidity for the same depth at 500 nm.
+    let turbidity = (0.084 * 0.5f64.powf(1.3) + 0.045_860_26) / 0.046_083_66;
+    let path = SunPath {
+        water_cm: 1.416,
+        ozone_cm: 0.344,
+        ..SunPath::standard(41.8 * DEG, turbidity)
+    };
+    let light = SunLight::new(&path).unwrap();
+    let ratio = light.irradiance.unwrap() / 900.1;
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+    // The bar is 5 %; the parametric model does better than 2 %.
+    assert!((luminance(light.illuminance) / 97_140.0 - 1.0).abs() < 0.02);
+    let xyy = colour::xyy_from_xyz(colour::xyz_from_working(light.illuminance));
+    assert!(
+        (xyy.x - 0.3391).abs() < 0.004 && (xyy.y - 0.3501).abs() < 0.004,
+        "{xyy}"
+    );
+    // Another path is noticed.
+    let hazier = SunLight::new(&SunPath {
+        turbidity: 3.0,
+        ..path
+    })
+    .unwrap();
+    assert!((hazier.irradiance.unwrap() / 900.1 - 1.0).abs() > 0.05);
 }

@@ -7,6 +7,8 @@ mod plan;
 mod render;
 mod scene_args;
 mod schema;
+mod sky;
+mod sky_batch;
 mod stdout;
 mod sun;
 mod tell;
@@ -28,6 +30,7 @@ enum Command {
     Plan(plan::PlanCommand),
     /// Sun position, rise, set, noon and twilights
     Sun(sun::SunArgs),
+    Sky(Box<sky::SkyArgs>),
     Doctor(doctor::DoctorArgs),
     Schema(schema::SchemaArgs),
     Completions(completions::CompletionsArgs),
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Sun(args) => sun::run(&args),
+        Command::Sky(args) => sky::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),

@@ -49,7 +49,7 @@ pub struct RenderArgs {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Exposure {
+pub enum Exposure {
     Auto,
     Ev100(f64),
 }
@@ -158,7 +158,7 @@ fn report(
     })
 }
 
-fn output_space(space: Space) -> OutputSpace {
+pub fn output_space(space: Space) -> OutputSpace {
     let c = space.chromaticities();
     OutputSpace {
         name: space.name(),
@@ -168,7 +168,7 @@ fn output_space(space: Space) -> OutputSpace {
     }
 }
 
-fn exposure_flag(text: &str) -> Result<Exposure, String> {
+pub fn exposure_flag(text: &str) -> Result<Exposure, String> {
     match text.parse::<f64>() {
         _ if text == "auto" => Ok(Exposure::Auto),
         Ok(ev) if (-20.0..=40.0).contains(&ev) => Ok(Exposure::Ev100(ev)),
@@ -176,6 +176,6 @@ fn exposure_flag(text: &str) -> Result<Exposure, String> {
     }
 }
 
-fn space(text: &str) -> Result<Space, String> {
+pub fn space(text: &str) -> Result<Space, String> {
     text.parse().map_err(|e: tyndall::Error| e.remedy())
 }

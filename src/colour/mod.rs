@@ -9,10 +9,12 @@ pub mod cie1931;
 pub mod display;
 pub mod exposure;
 mod space;
+mod temperature;
 mod transfer;
 
 pub use cie1931::xyz_from_spectrum;
 pub use space::{Chromaticities, LUMINANCE, Space, WORKING_FROM_XYZ, XYZ_FROM_WORKING, bradford};
+pub use temperature::{DUV_LIMIT, Temperature, temperature, uv};
 pub use transfer::{srgb_decode, srgb_encode};
 
 use glam::DVec3;

@@ -1,4 +1,10 @@
 //! A daylight model prepared for one place of the sun: what is evaluated per direction.
+//!
+//! Perez and CIE skies have luminance alone. Where they are clear they take the chromaticity that the sky of Hosek & Wilkie
+//! 2012 has in that direction, with that sun and turbidity; where clouds make the light, [`OVERCAST_XY`]; mixed as light by
+//! the clouds' share. Differs: Preetham's x, y, which the ReLiShaft paper uses, turn lavender around the sun and pink at
+//! the horizon of a plain clear day (at 35 degrees and turbidity 3: x, y 0.279, 0.288 and 0.345, 0.340, where path-traced
+//! skies have 0.291, 0.309 and 0.313, 0.340). They remain the colours of `preetham`.
 
 use super::cie::{self, Kind};
 use super::gradation::Gradation;
@@ -20,6 +26,9 @@ static XYZ_FROM_REC709: LazyLock<DMat3> =
 
 /// Chromaticity x, y of an overcast sky: 6 191 K on the daylight locus (Diakite-Kindel & Knoop, as in Radiance's gendaylit).
 pub const OVERCAST_XY: [f64; 2] = [0.318_1, 0.334_2];
+
+/// The ground's albedo for the colour of the skies that have none of their own.
+const COLOUR_ALBEDO: f64 = 0.2;
 
 /// The share of the clear sky's beam from which on a sky has its full colour.
 const CLEAR_BEAM: f64 = 0.7;
@@ -46,7 +55,7 @@ enum Form {
     /// Luminance [cd/m2] as a sum of two gradations, and whence the colour.
     Luminance {
         parts: [(Gradation, f64); 2],
-        clear: Preetham,
+        clear: Hosek,
         grey: f64,
     },
 }
@@ -110,7 +119,7 @@ impl Day {
         sun: Position,
         bins: Bins,
     ) -> Result<Self> {
-        let clear = Preetham::new(turbidity, sun.zenith_angle)?;
+        let clear = Hosek::new(turbidity, COLOUR_ALBEDO, sun.elevation())?;
         let cloudless = perez::clear_sky(
             sun.elevation(),
             turbidity,
@@ -151,7 +160,7 @@ impl Day {
         measured: Option<Irradiance>,
         sun: Position,
     ) -> Result<Self> {
-        let clear = Preetham::new(turbidity, sun.zenith_angle)?;
+        let clear = Hosek::new(turbidity, COLOUR_ALBEDO, sun.elevation())?;
         let state = match measured {
             Some(m) => Some((
                 m,
@@ -203,8 +212,8 @@ impl Day {
                 if *grey == 1.0 {
                     return xyz_from_xyy(overcast);
                 }
-                let [x, y] = clear.chromaticity(cos_theta, gamma, cos_gamma);
-                xyz_from_xyy(DVec3::new(x, y, luminance)).lerp(xyz_from_xyy(overcast), *grey)
+                let colour = *XYZ_FROM_REC709 * clear.rec709(cos_theta, gamma, cos_gamma);
+                (colour * (luminance / colour.y)).lerp(xyz_from_xyy(overcast), *grey)
             }
         }
     }
@@ -289,12 +298,12 @@ fn scaled(
 pub fn check(model: Model) -> Result<()> {
     match model {
         Model::Preetham { turbidity } => preetham::check_turbidity(turbidity),
-        Model::Perez { turbidity, .. } => preetham::check_turbidity(turbidity),
+        Model::Perez { turbidity, .. } => Hosek::new(turbidity, COLOUR_ALBEDO, 0.5).map(|_| ()),
         Model::Cie {
             kind, turbidity, ..
         } => {
             Kind::new(kind)?;
-            preetham::check_turbidity(turbidity)
+            Hosek::new(turbidity, COLOUR_ALBEDO, 0.5).map(|_| ())
         }
         Model::Hosek { turbidity, albedo } => Hosek::new(turbidity, albedo, 0.5).map(|_| ()),
         Model::Uniform { .. } => Ok(()),

@@ -47,7 +47,7 @@ impl Hosek {
     pub fn new(turbidity: f64, albedo: f64, elevation: f64) -> Result<Self> {
         if !(1.0..=10.0).contains(&turbidity) {
             return Err(Error::domain(
-                "the turbidity of the Hosek-Wilkie sky",
+                "the turbidity",
                 turbidity,
                 "1 to 10",
                 "2 is a very clear day, 10 is haze",
@@ -104,7 +104,8 @@ impl Hosek {
         let cos2 = cos_gamma * cos_gamma;
         let channel = |c: usize| {
             let [a, b, base, d, e, f, g, h, i] = self.parameters[c];
-            let mie = (1.0 + cos2) / (1.0 + i * i - 2.0 * i * cos_gamma).powf(1.5);
+            let base_of_mie = 1.0 + i * i - 2.0 * i * cos_gamma;
+            let mie = (1.0 + cos2) / (base_of_mie * base_of_mie.sqrt());
             let horizon = 1.0 + a * (b / (cos_theta + 0.01)).exp();
             let rest = base + d * (e * gamma).exp() + f * cos2 + g * mie + h * zenith;
             self.radiance[c] * horizon * rest

@@ -17,8 +17,10 @@ pub mod day;
 pub mod gradation;
 pub mod hemisphere;
 pub mod hosek;
+pub mod map;
 pub mod named;
-mod perez;
+pub mod patches;
+pub mod perez;
 pub mod preetham;
 pub mod sun;
 pub mod twilight;
@@ -42,7 +44,7 @@ pub const DEFAULT_TURBIDITY: f64 = 3.0;
 pub enum Model {
     /// Perez, Seals & Michalsky 1993, all-weather.
     Perez {
-        /// Turbidity [1] of the clear sky that is taken when no irradiance is given, and of the sky's colour; 2 to 10.
+        /// Turbidity [1] of the clear sky that is taken when no irradiance is given, and of the sky's colour; 1 to 10.
         turbidity: f64,
         /// What a weather station measures; absent: a clear sky.
         irradiance: Option<Irradiance>,
@@ -63,7 +65,7 @@ pub enum Model {
     Cie {
         /// 1 to 15, or 16 for the traditional overcast sky.
         kind: u8,
-        /// Turbidity [1] of the sky's colour where there are no clouds; 2 to 10.
+        /// Turbidity [1] of the sky's colour where there are no clouds; 1 to 10.
         turbidity: f64,
         /// What sets its level; absent: what is typical of the type.
         irradiance: Option<Irradiance>,
@@ -127,8 +129,8 @@ pub struct Sky {
     warnings: Vec<String>,
 }
 
-/// Chromaticity x, y of the night sky without moon: stars and airglow are a little warmer than D65.
-const NIGHT_XY: [f64; 2] = [0.325, 0.340];
+/// Chromaticity x, y of the night sky without moon: taken as D65, between blue stars and reddish airglow.
+const NIGHT_XY: [f64; 2] = [0.3127, 0.3290];
 
 /// Horizontal illuminance under heavy clouds over that under a clear sky [1], where nothing else says it.
 const OVERCAST_SHARE: f64 = 0.2;

@@ -84,7 +84,29 @@ def preetham(rows):
     return result
 
 
+def temperature(xyz):
+    """CCT [K] and Duv by Ohno 2013."""
+    cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(colour.SpectralShape(360, 830, 5))
+    uv = [colour.UCS_to_uv(colour.XYZ_to_UCS(np.array(v) / v[1])) for v in xyz]
+    return [
+        colour.temperature.uv_to_CCT_Ohno2013(one, cmfs=cmfs, start=1000, end=100000, spacing=1.001) for one in uv
+    ]
+
+
+def delta_e(pairs):
+    """Delta E 2000 of pairs of 8-bit sRGB codes (whole or not)."""
+
+    def lab(codes):
+        linear = colour.models.eotf_sRGB(np.array(codes) / 255)
+        xyz = colour.RGB_to_XYZ(linear, SPACES["rec709"], chromatic_adaptation_transform=None)
+        return colour.XYZ_to_Lab(xyz, SPACES["rec709"].whitepoint)
+
+    return colour.delta_E(lab([a for a, _ in pairs]), lab([b for _, b in pairs]), method="CIE 2000")
+
+
 TASKS = {
+    "delta_e": delta_e,
+    "temperature": temperature,
     "xyy_to_xyz": colour.xyY_to_XYZ,
     "xyz_to_rgb": lambda tasks: [xyz_to_rgb(task) for task in tasks],
     "srgb_encode": lambda v: colour.models.eotf_inverse_sRGB(v),

@@ -1,0 +1,376 @@
+//! `tyndall sky`: the sky alone, as an environment map or in numbers.
+
+use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
+use crate::render::{self, Exposure};
+use crate::{scene_args, sky_batch, stdout};
+use clap::{Args, ValueEnum};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
+use tyndall::ephemeris::{Air, sun_position};
+use tyndall::frame::{Frame, Layer};
+use tyndall::output::{self, Format};
+use tyndall::sky::map::{Map, Projection};
+use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, SunPath};
+use tyndall::units::DEG;
+use tyndall::{Error, Result};
+
+/// The sky alone: environment maps, or its values
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Without -o the sky's values are printed alone. A map's colours are photometric (cd/m2); its lower half is a ground of \
+--albedo lit by sun and sky. In the equirectangular map the middle column looks north (or --north), and east is to its right.\n\n\
+Examples:\n  \
+tyndall sky --at 48.8584,2.2945 --time 2026-06-21T21:30 -o evening.exr -o evening.png\n  \
+tyndall sky --sun 180,30 --sky cie:12 --json\n  \
+tyndall sky --batch rows.csv > values.csv")]
+pub struct SkyArgs {
+    #[command(flatten)]
+    place: PlaceArgs,
+    #[command(flatten)]
+    time: TimeArgs,
+    #[command(flatten)]
+    ephemeris: SunArgs,
+    /// Put the sun there instead: degrees, azimuth from north through east; no refraction is added
+    #[arg(long, value_name = "AZ,EL", value_parser = scene_args::pair, allow_hyphen_values = true, conflicts_with_all = ["at", "time"])]
+    sun: Option<[f64; 2]>,
+    /// The azimuth that the map's middle faces (0 is north; then east is to its right)
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    north: f64,
+    /// The sky: perez, preetham, hosek, cie:1 to cie:16, uniform:CD_PER_M2
+    #[arg(long, value_name = "MODEL", default_value = "perez")]
+    sky: String,
+    /// Turbidity of the clear air: 2 is very clear, 3 ordinary, 6 hazy
+    #[arg(long, value_name = "T", default_value_t = DEFAULT_TURBIDITY)]
+    turbidity: f64,
+    /// Direct-normal irradiance in W/m2, for perez and cie
+    #[arg(long, value_name = "W", requires = "diffuse_horizontal")]
+    direct_normal: Option<f64>,
+    /// Diffuse-horizontal irradiance in W/m2, for perez and cie
+    #[arg(long, value_name = "W", requires = "direct_normal")]
+    diffuse_horizontal: Option<f64>,
+    /// Albedo of the ground, 0 to 1
+    #[arg(long, value_name = "A", default_value_t = 0.2)]
+    albedo: f64,
+    /// A file to write, by its ending .exr, .hdr or .png; may be repeated
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// How directions lie in the map
+    #[arg(long, value_name = "NAME", default_value = "equirectangular")]
+    projection: MapShape,
+    /// Width and height of the map in pixels [default: 2048x1024, 1024x1024 or 3072x512]
+    #[arg(long, value_name = "WxH", value_parser = scene_args::size)]
+    size: Option<[u32; 2]>,
+    /// Leave the sun's disc out of the map
+    #[arg(long)]
+    without_sun: bool,
+    /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2
+    #[arg(long, value_name = "auto|EV", default_value = "auto", allow_negative_numbers = true, value_parser = render::exposure_flag)]
+    exposure: Exposure,
+    /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
+    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = render::space)]
+    color_space: Space,
+    /// Evaluate the models as published for the rows of a CSV (model, sun_elevation, turbidity or direct_normal and
+    /// diffuse_horizontal, view_azimuth from the sun's, view_elevation; degrees); - is standard input
+    #[arg(long, value_name = "FILE.csv", allow_hyphen_values = true, conflicts_with_all = ["output", "at", "time", "sun"])]
+    batch: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print CSV
+    #[arg(long)]
+    csv: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum MapShape {
+    /// The whole sphere, twice as wide as high
+    Equirectangular,
+    /// The sky seen from below, in a circle
+    Fisheye,
+    /// Six faces side by side: +X -X +Y -Y +Z -Z
+    Cube,
+}
+
+/// The sky, its sun and what was understood.
+struct Subject {
+    sky: Sky,
+    light: SunLight,
+    toward_sun: DVec3,
+    facts: Vec<(&'static str, Value)>,
+}
+
+/// Runs `tyndall sky`.
+pub fn run(args: &SkyArgs) -> Result<()> {
+    if let Some(path) = &args.batch {
+        return sky_batch::run(path, args.json);
+    }
+    let formats = output::check_targets(&args.output)?;
+    let subject = subject(args)?;
+    for warning in subject.sky.warnings() {
+        eprintln!("warning    {warning}");
+    }
+    let facts = facts(args, &subject);
+    if args.json {
+        stdout::print_json(&facts.iter().cloned().collect::<serde_json::Map<_, _>>())?;
+    } else if args.csv {
+        let text = |v: &Value| {
+            v.as_str()
+                .map_or(v.to_string(), |s| format!("\"{}\"", s.replace('"', "\"\"")))
+        };
+        let join = |cells: Vec<String>| cells.join(",") + "\n";
+        let names = join(facts.iter().map(|(name, _)| name.clone()).collect());
+        stdout::print(&(names + &join(facts.iter().map(|(_, v)| text(v)).collect())))?;
+    } else {
+        let mut text = String::new();
+        for (name, value) in &facts {
+            let value = match value {
+                Value::String(s) => s.clone(),
+                Value::Number(n) => short(n.as_f64().unwrap_or(f64::NAN)),
+                Value::Array(v) => v
+                    .iter()
+                    .map(|c| short(c.as_f64().unwrap_or(f64::NAN)))
+                    .collect::<Vec<_>>()
+                    .join(" "),
+                Value::Null => "\u{2014}".into(),
+                other => other.to_string(),
+            };
+            text.push_str(&format!("{name:<38} {value}\n"));
+        }
+        stdout::print(&text)?;
+    }
+    if args.output.is_empty() {
+        return Ok(());
+    }
+    let frame = paint(args, &subject)?;
+    let ev100 = match args.exposure {
+        Exposure::Ev100(ev) => ev,
+        Exposure::Auto => {
+            // A sky is brighter than the grey that a meter expects: one stop more, as photographers give it.
+            exposure::auto((0..frame.pixels()).map(|i| luminance(frame.picture(i))))
+                .map_or(0.0, |ev| ev - 1.0)
+        }
+    };
+    let space = render::output_space(args.color_space);
+    for (path, format) in args.output.iter().zip(&formats) {
+        match format {
+            Format::Exr => output::exr::write(path, &frame, &space, &["background"])?,
+            Format::Hdr => output::hdr::write(path, &frame, &space)?,
+            Format::Png => {
+                let bytes = output::png::encode(&frame, |x, y, rgb| {
+                    display::encode(rgb, ev100, [x, y], true)
+                });
+                output::png::write(path, frame.width, frame.height, &bytes)?;
+            }
+        }
+        eprintln!("wrote      {}", path.display());
+    }
+    Ok(())
+}
+
+fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        a if a >= 1000.0 => format!("{value:.0}"),
+        a if a >= 0.1 => format!("{value:.3}"),
+        _ => format!("{value:.3e}"),
+    }
+}
+
+/// The sun and the sky that the flags ask for.
+fn subject(args: &SkyArgs) -> Result<Subject> {
+    if !args.north.is_finite() {
+        return Err(Error::domain(
+            "--north",
+            args.north,
+            "finite degrees",
+            "give an azimuth",
+        ));
+    }
+    let irradiance = args.direct_normal.zip(args.diffuse_horizontal).map(
+        |(direct_normal, diffuse_horizontal)| Irradiance {
+            direct_normal,
+            diffuse_horizontal,
+        },
+    );
+    let model = Model::named(
+        &args.sky.to_ascii_lowercase(),
+        args.turbidity,
+        irradiance,
+        args.albedo,
+    )?;
+    if !(0.0..=1.0).contains(&args.albedo) {
+        return Err(Error::domain(
+            "--albedo",
+            args.albedo,
+            "0 to 1",
+            "0.2 is usual",
+        ));
+    }
+    let toward = |azimuth: f64, elevation: f64| {
+        let ((sa, ca), (se, ce)) = ((azimuth - args.north * DEG).sin_cos(), elevation.sin_cos());
+        DVec3::new(ce * sa, se, -ce * ca)
+    };
+    let (at, path, azimuth, facts) = match (args.sun, &args.place.at) {
+        (Some([azimuth, elevation]), _) => {
+            if !(-90.0..=90.0).contains(&elevation) {
+                return Err(Error::domain(
+                    "the elevation of --sun",
+                    format!("{elevation} degrees"),
+                    "-90 to 90 degrees",
+                    "write azimuth, then elevation",
+                ));
+            }
+            let at = SunAt {
+                elevation_true: elevation * DEG,
+                ..SunAt::unrefracted(toward(azimuth * DEG, elevation * DEG))
+            };
+            (
+                at,
+                SunPath::standard(elevation * DEG, model.turbidity()),
+                azimuth,
+                Vec::new(),
+            )
+        }
+        (None, Some(site)) => {
+            let moment = args
+                .time
+                .moment(args.time.time.as_deref().unwrap_or("now"), Some(site))?;
+            let air = args.ephemeris.air(site)?;
+            let sun = sun_position(args.ephemeris.tier, &moment.instant, site, &air);
+            let at = SunAt {
+                toward_sun: toward(sun.azimuth, sun.elevation_apparent),
+                elevation_true: sun.elevation_true,
+                distance_au: sun.distance_au,
+                site_elevation: site.elevation(),
+            };
+            let path = SunPath {
+                distance_au: sun.distance_au,
+                pressure_hpa: Air::standard(site).pressure_hpa(),
+                ..SunPath::standard(sun.elevation_apparent, model.turbidity())
+            };
+            let facts = vec![
+                ("time", json!(moment.local().to_rfc3339())),
+                ("offset_from", json!(moment.offset_source.to_string())),
+                ("latitude", json!(site.latitude_deg())),
+                ("longitude", json!(site.longitude_deg())),
+                ("site_elevation", json!(site.elevation())),
+            ];
+            (at, path, sun.azimuth / DEG, facts)
+        }
+        (None, None) => {
+            return Err(Error::input(
+                "tyndall sky",
+                "there is no sun: neither place and time nor --sun is given",
+                "give --at LAT,LON and --time T, or --sun AZ,EL",
+            ));
+        }
+    };
+    let sky = Sky::new(model, at)?;
+    let light = sky.sunlight(&path)?;
+    let mut all = facts;
+    all.push(("sun_azimuth", json!(azimuth)));
+    all.push(("sun_elevation_true", json!(at.elevation_true / DEG)));
+    all.push((
+        "sun_elevation_apparent",
+        json!(path.elevation_apparent / DEG),
+    ));
+    Ok(Subject {
+        sky,
+        light,
+        toward_sun: at.toward_sun,
+        facts: all,
+    })
+}
+
+/// What is printed: names with values; no number where there is none.
+fn facts(args: &SkyArgs, subject: &Subject) -> Vec<(String, Value)> {
+    let Subject { sky, light, .. } = subject;
+    let rgb = |v: DVec3| json!((Space::Rec709.from_working() * v).to_array());
+    let temperature = |v: DVec3| colour::temperature(xyz_from_working(v));
+    let cct = |v: DVec3| json!(temperature(v).map(|t| t.cct));
+    let duv = |v: DVec3| json!(temperature(v).map(|t| t.duv));
+    let (zenith, dome) = (sky.zenith(), sky.horizontal_illuminance());
+    let direct = light.horizontal_illuminance();
+    let mut facts: Vec<(&str, Value)> = subject.facts.clone();
+    facts.extend([
+        ("model", json!(sky.name())),
+        ("description", json!(sky.describe())),
+        ("zenith_luminance_cd_m2", json!(luminance(zenith))),
+        ("zenith_rec709_cd_m2", rgb(zenith)),
+        ("zenith_cct_k", cct(zenith)),
+        ("zenith_duv", duv(zenith)),
+        ("sky_horizontal_illuminance_lx", json!(luminance(dome))),
+        ("sky_cct_k", cct(dome)),
+        ("sky_duv", duv(dome)),
+        (
+            "sun_normal_illuminance_lx",
+            json!(luminance(light.illuminance)),
+        ),
+        ("sun_horizontal_illuminance_lx", json!(luminance(direct))),
+        ("sun_rec709_lx", rgb(light.illuminance)),
+        ("sun_cct_k", cct(light.illuminance)),
+        ("sun_duv", duv(light.illuminance)),
+        ("sun_visible_share", json!(light.visible_share)),
+        ("horizontal_illuminance_lx", json!(luminance(dome + direct))),
+        (
+            "ground_luminance_cd_m2",
+            json!(luminance(ground(args, subject))),
+        ),
+    ]);
+    facts
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect()
+}
+
+/// Radiance of the ground that the lower half of a map shows: a diffuse plane under sun and sky.
+fn ground(args: &SkyArgs, subject: &Subject) -> DVec3 {
+    let light = subject.sky.horizontal_illuminance() + subject.light.horizontal_illuminance();
+    light * (args.albedo / std::f64::consts::PI)
+}
+
+fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
+    let (projection, size) = match args.projection {
+        MapShape::Equirectangular => (Projection::Equirectangular, [2048, 1024]),
+        MapShape::Fisheye => (Projection::Fisheye, [1024, 1024]),
+        MapShape::Cube => (Projection::Cube, [3072, 512]),
+    };
+    let [width, height] = args.size.unwrap_or(size);
+    let map = Map::new(projection, width, height)?;
+    let ground = ground(args, subject);
+    let mut rgb: Vec<Vec3> = (0..height)
+        .into_par_iter()
+        .flat_map_iter(|y| {
+            map.row(y, &subject.sky, ground)
+                .into_iter()
+                .map(|v| v.as_vec3())
+        })
+        .collect();
+    if !args.without_sun {
+        for (texel, light) in map.disc(&subject.light, subject.toward_sun) {
+            rgb[texel] = (rgb[texel].as_dvec3() + light).as_vec3();
+        }
+    }
+    let mut frame = Frame::new(width, height);
+    frame.layers.push(Layer {
+        name: "background",
+        rgb,
+    });
+    frame.record.set("version", env!("CARGO_PKG_VERSION"));
+    for (name, value) in facts(args, subject) {
+        match value {
+            Value::String(text) => frame.record.set(name, text),
+            Value::Number(number) => frame.record.set(name, number.as_f64().unwrap_or(f64::NAN)),
+            _ => {}
+        }
+    }
+    Ok(frame)
+}

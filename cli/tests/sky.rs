@@ -1,0 +1,158 @@
+//! `tyndall sky` as a user types it.
+
+use std::io::Write;
+use std::process::{Command, Output, Stdio};
+
+fn sky(arguments: &[&str], input: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tyndall"))
+        .arg("sky")
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(input.as_bytes())
+        .unwrap();
+    child.wait_with_output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+#[test]
+fn a_batch_gives_the_models_as_published() {
+    let input = "model,sun_elevation,turbidity,view_azimuth,view_elevation,direct_normal,diffuse_horizontal\n\
+        preetham,45,3,0,90,,\n\
+        perez,40,,30,20,500,100\n\
+        cie:16,40,,30,0,,\n\
+        cie:16,40,,30,90,,\n";
+    let output = sky(&["--batch", "-"], input);
+    assert!(output.status.success());
+    let text = stdout(&output);
+    let rows: Vec<Vec<&str>> = text.lines().map(|l| l.split(',').collect()).collect();
+    assert_eq!(rows[0][7..], ["X", "Y", "Z", "R", "G", "B"]);
+    assert_eq!(rows.len(), 5);
+    let y = |row: usize| rows[row][8].parse::<f64>().unwrap();
+    // Preetham's zenith from the printed constants.
+    let chi: f64 = (4.0 / 9.0 - 3.0 / 120.0) * std::f64::consts::FRAC_PI_2;
+    assert!(
+        (y(1) / (1000.0 * (7.1649 * chi.tan() + 1.7727)) - 1.0).abs() < 1e-9,
+        "{}",
+        y(1)
+    );
+    // The traditional overcast sky's horizon has a third of its zenith.
+    assert!((y(3) / y(4) - 1.0 / 3.0).abs() < 1e-12);
+    // R, G, B are those of X, Y, Z: luminance by the weights of Rec. 709.
+    for row in &rows[1..] {
+        let v: Vec<f64> = row[7..].iter().map(|c| c.parse().unwrap()).collect();
+        let luminance = 0.212_639 * v[3] + 0.715_169 * v[4] + 0.072_192 * v[5];
+        assert!((luminance / v[1] - 1.0).abs() < 1e-5);
+    }
+    // JSON holds the same digits. (serde_json's quick reading would be off by an ulp.)
+    let text = stdout(&sky(&["--batch", "-", "--json"], input));
+    assert!(text.contains(&format!("\"Y\": {}", rows[2][8])), "{text}");
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json[1]["direct_normal"], 500.0);
+}
+
+#[test]
+fn a_bad_row_is_named_and_the_rest_printed() {
+    let input = "model,sun_elevation,turbidity,view_azimuth,view_elevation\n\
+        preetham,45,1.5,0,90\nperez,-5,3,0,90\nnishita,45,3,0,90\npreetham,45,x,0,90\npreetham,45,3,0,-4\npreetham,45,3,0,90\n";
+    let output = sky(&["--batch", "-"], input);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(stdout(&output).lines().count(), 2);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    for line in 2..=6 {
+        assert!(
+            errors.contains(&format!("standard input:{line}:")),
+            "{errors}"
+        );
+    }
+    let missing = sky(&["--batch", "-"], "model,turbidity\npreetham,3\n");
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(
+        String::from_utf8(missing.stderr)
+            .unwrap()
+            .contains("sun_elevation")
+    );
+    assert_eq!(sky(&["--batch", "/no/such.csv"], "").status.code(), Some(2));
+}
+
+#[test]
+fn maps_are_written_and_values_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (exr, png) = (folder.path().join("s.exr"), folder.path().join("s.png"));
+    let output = sky(
+        &[
+            "--sun",
+            "90,30",
+            "--size",
+            "128x64",
+            "-o",
+            exr.to_str().unwrap(),
+            "-o",
+            png.to_str().unwrap(),
+            "--json",
+        ],
+        "",
+    );
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let number = |key: &str| json[key].as_f64().unwrap();
+    assert!((number("sun_elevation_true") - 30.0).abs() < 1e-9);
+    let total = number("sky_horizontal_illuminance_lx") + number("sun_horizontal_illuminance_lx");
+    assert!((total / number("horizontal_illuminance_lx") - 1.0).abs() < 1e-12);
+    // The sun stands in the east: three quarters of the width from the left, a third of the way down.
+    let picture = image::open(&png).unwrap().to_rgb8();
+    let brightest = picture
+        .enumerate_pixels()
+        .max_by_key(|(_, _, p)| p.0.map(u32::from).iter().sum::<u32>())
+        .unwrap();
+    assert!(
+        (95..=97).contains(&brightest.0) && (20..=22).contains(&brightest.1),
+        "{brightest:?}"
+    );
+    assert!(exr.exists());
+    // A night has a value, and no CCT that is a guess.
+    let night = sky(&["--sun", "90,-40", "--csv"], "");
+    assert!(night.status.success() && stdout(&night).contains("null"));
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    for (arguments, word) in [
+        (&[][..], "--at"),
+        (&["--sun", "0,95"], "-90 to 90"),
+        (&["--sun", "0,40", "--sky", "cie:17"], "1 to 16"),
+        (&["--sun", "0,40", "--sky", "blue"], "perez, preetham"),
+        (
+            &["--sun", "0,40", "--sky", "preetham", "--turbidity", "1"],
+            "2 to 10",
+        ),
+        (
+            &["--sun", "0,40", "--direct-normal", "500"],
+            "--diffuse-horizontal",
+        ),
+        (
+            &["--sun", "0,40", "--size", "100x100", "-o", "x.png"],
+            "twice as wide",
+        ),
+        (&["--sun", "0,40", "-o", "x.tif"], ".exr"),
+    ] {
+        let output = sky(arguments, "");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(text.contains(word), "{arguments:?}: {text}");
+    }
+}

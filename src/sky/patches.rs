@@ -1,0 +1,269 @@
+//! The sky dome cut into patches: ReLiShaft's 5 728 triangles, Tregenza's 145 patches and Reinhart's subdivisions.
+
+use super::Sky;
+use crate::error::{Error, Result};
+use crate::units::DEG;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How the dome is cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subdivision {
+    /// 5 728 spherical triangles of nearly equal size (Kolivand et al. 2018, section 3.2, whose own layout is not stated).
+    Triangles,
+    /// Tregenza 1987: seven rows of 12 degrees and a cap, 145 patches.
+    Tregenza,
+    /// Reinhart: every Tregenza patch split `n` times each way, 144 n^2 + 1 patches; 1 to 16. Rows are 90 / (7 n + 1/2) degrees.
+    Reinhart(u32),
+}
+
+/// One piece of the dome.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patch {
+    /// Unit vector toward its middle.
+    pub direction: DVec3,
+    /// Its solid angle [sr].
+    pub solid_angle: f64,
+    /// Its solid angle projected on the ground, the integral of (w . up) dw [sr].
+    pub projected: f64,
+    area: Area,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Area {
+    Triangle([DVec3; 3]),
+    /// Azimuths from -Z toward +X [rad] and sines of elevation, from and to.
+    Cell {
+        azimuth: [f64; 2],
+        sine: [f64; 2],
+    },
+}
+
+/// Patches in a row of Tregenza's, from the horizon up.
+const TREGENZA: [u32; 7] = [30, 30, 24, 24, 18, 12, 6];
+
+/// Rings of the triangle mesh, and points in the ring on the horizon.
+const RINGS: usize = 36;
+const HORIZON_POINTS: usize = 124;
+
+/// Triangles in ReLiShaft's dome.
+pub const TRIANGLES: usize = 5728;
+
+/// Cuts the dome: solid angles sum to 2 pi, projected ones to pi, to rounding.
+///
+/// Errors: [`Error::Domain`] for a Reinhart factor outside 1 to 16.
+pub fn dome(subdivision: Subdivision) -> Result<Vec<Patch>> {
+    match subdivision {
+        Subdivision::Triangles => Ok(triangles()),
+        Subdivision::Tregenza => Ok(cells(1)),
+        Subdivision::Reinhart(n @ 1..=16) => Ok(cells(n)),
+        Subdivision::Reinhart(n) => Err(Error::domain(
+            "Reinhart's factor",
+            n,
+            "1 to 16",
+            "1 is Tregenza's 145 patches, 2 gives 577, 4 gives 2305",
+        )),
+    }
+}
+
+/// Mean radiance of each patch, RGB in the working space [cd/m2].
+///
+/// Means over the patch by quadrature (steps of at most 1.5 degrees), then all times one factor per channel so that
+/// the radiances times the projected solid angles sum to the sky's horizontal illuminance: within 1e-4 of 1 for the
+/// triangles, within some per cent for 145 patches, where radiance and cosine vary together.
+pub fn radiances(sky: &Sky, patches: &[Patch]) -> Vec<DVec3> {
+    let means: Vec<DVec3> = patches
+        .iter()
+        .map(|p| p.mean(|w| sky.radiance(w)))
+        .collect();
+    let sum: DVec3 = means
+        .iter()
+        .zip(patches)
+        .map(|(l, p)| *l * p.projected)
+        .sum();
+    let whole = sky.horizontal_illuminance();
+    let factor = |sum: f64, whole: f64| if sum > 0.0 { whole / sum } else { 1.0 };
+    let factor = DVec3::new(
+        factor(sum.x, whole.x),
+        factor(sum.y, whole.y),
+        factor(sum.z, whole.z),
+    );
+    means.into_iter().map(|l| l * factor).collect()
+}
+
+impl Patch {
+    /// Mean of a function of direction over the patch.
+    fn mean(&self, f: impl Fn(DVec3) -> DVec3) -> DVec3 {
+        match self.area {
+            Area::Triangle(corners) => {
+                let (sum, weight) = split(corners, 2)
+                    .map(|t| {
+                        let w = solid_angle(t);
+                        (f(centre(t)) * w, w)
+                    })
+                    .fold((DVec3::ZERO, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+                sum / weight
+            }
+            Area::Cell { azimuth, sine } => {
+                let step = 1.5 * DEG;
+                let height = sine[1].min(1.0).asin() - sine[0].asin();
+                let rows = (height / step).ceil().max(2.0) as u32;
+                let columns = ((azimuth[1] - azimuth[0]) * (1.0 - sine[0] * sine[0]).sqrt() / step)
+                    .ceil()
+                    .max(2.0) as u32;
+                let mut sum = DVec3::ZERO;
+                for i in 0..rows {
+                    let y = sine[0] + (sine[1] - sine[0]) * (f64::from(i) + 0.5) / f64::from(rows);
+                    for j in 0..columns {
+                        let part = (f64::from(j) + 0.5) / f64::from(columns);
+                        sum += f(toward(azimuth[0] + (azimuth[1] - azimuth[0]) * part, y));
+                    }
+                }
+                sum / f64::from(rows * columns)
+            }
+        }
+    }
+}
+
+fn toward(azimuth: f64, sine: f64) -> DVec3 {
+    let (s, c) = azimuth.sin_cos();
+    let r = (1.0 - sine * sine).max(0.0).sqrt();
+    DVec3::new(r * s, sine, -r * c)
+}
+
+fn cells(n: u32) -> Vec<Patch> {
+    let height = 90.0 / (7.0 * f64::from(n) + 0.5) * DEG;
+    let mut patches = Vec::new();
+    let mut cell = |azimuth: [f64; 2], sine: [f64; 2], middle: DVec3| {
+        let turn = azimuth[1] - azimuth[0];
+        patches.push(Patch {
+            direction: middle,
+            solid_angle: turn * (sine[1] - sine[0]),
+            projected: 0.5 * turn * (sine[1] * sine[1] - sine[0] * sine[0]),
+            area: Area::Cell { azimuth, sine },
+        });
+    };
+    for row in 0..7 * n {
+        let count = n * TREGENZA[(row / n) as usize];
+        let turn = 2.0 * PI / f64::from(count);
+        let sine = [0.0, 1.0].map(|up| (height * (f64::from(row) + up)).sin());
+        let middle = (height * (f64::from(row) + 0.5)).sin();
+        for k in 0..count {
+            // The first patch of a row is centred on azimuth 0.
+            let azimuth = turn * f64::from(k);
+            cell(
+                [azimuth - 0.5 * turn, azimuth + 0.5 * turn],
+                sine,
+                toward(azimuth, middle),
+            );
+        }
+    }
+    let top = (height * f64::from(7 * n)).sin();
+    cell([-PI, PI], [top, 1.0], DVec3::Y);
+    patches
+}
+
+fn triangles() -> Vec<Patch> {
+    // Points per ring in proportion to its circumference; 2 (m1 + ... + m35) + m36 triangles, made 5 728 in the widest ring.
+    let mut counts: Vec<usize> = (1..=RINGS)
+        .map(|k| {
+            (HORIZON_POINTS as f64 * (FRAC_PI_2 * k as f64 / RINGS as f64).sin()).round() as usize
+        })
+        .collect();
+    counts[RINGS - 1] = HORIZON_POINTS;
+    let mut missing = (TRIANGLES as i64 - HORIZON_POINTS as i64) / 2
+        - counts[..RINGS - 1].iter().sum::<usize>() as i64;
+    for k in (0..RINGS - 1).rev().cycle() {
+        if missing == 0 {
+            break;
+        }
+        counts[k] = (counts[k] as i64 + missing.signum()) as usize;
+        missing -= missing.signum();
+    }
+    let point = |ring: usize, k: usize| {
+        let count = counts[ring];
+        if ring == RINGS - 1 {
+            return toward(2.0 * PI * (k % count) as f64 / count as f64, 0.0);
+        }
+        let theta = FRAC_PI_2 * (ring + 1) as f64 / RINGS as f64;
+        toward(2.0 * PI * (k % count) as f64 / count as f64, theta.cos())
+    };
+    let mut patches = Vec::with_capacity(TRIANGLES);
+    let mut push = |corners: [DVec3; 3]| {
+        patches.push(Patch {
+            direction: centre(corners),
+            solid_angle: solid_angle(corners),
+            projected: projected(corners),
+            area: Area::Triangle(corners),
+        });
+    };
+    for k in 0..counts[0] {
+        push([DVec3::Y, point(0, k), point(0, k + 1)]);
+    }
+    for ring in 1..RINGS {
+        let (inner, outer) = (counts[ring - 1], counts[ring]);
+        let (mut i, mut o) = (0, 0);
+        while i < inner || o < outer {
+            // Walk around both rings; the side whose next point comes first takes the next triangle.
+            if o < outer && (i == inner || (2 * o + 1) * inner <= (2 * i + 1) * outer) {
+                push([point(ring - 1, i), point(ring, o), point(ring, o + 1)]);
+                o += 1;
+            } else {
+                push([point(ring - 1, i), point(ring, o), point(ring - 1, i + 1)]);
+                i += 1;
+            }
+        }
+    }
+    patches
+}
+
+fn centre(t: [DVec3; 3]) -> DVec3 {
+    (t[0] + t[1] + t[2]).normalize()
+}
+
+/// Solid angle [sr] of a spherical triangle (Van Oosterom & Strackee 1983).
+fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+    let d = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
+    2.0 * a.dot(b.cross(c)).abs().atan2(d)
+}
+
+/// Projected solid angle [sr] on the ground: half the sum over the sides of arc times the side's normal (Lambert).
+fn projected([a, b, c]: [DVec3; 3]) -> f64 {
+    let side = |p: DVec3, q: DVec3| {
+        let n = p.cross(q);
+        let sin = n.length();
+        if sin == 0.0 {
+            0.0
+        } else {
+            sin.atan2(p.dot(q)) * n.y / sin
+        }
+    };
+    (0.5 * (side(a, b) + side(b, c) + side(c, a))).abs()
+}
+
+/// The 4^n triangles of a spherical triangle halved n times along its sides.
+fn split(t: [DVec3; 3], n: u32) -> Box<dyn Iterator<Item = [DVec3; 3]>> {
+    if n == 0 {
+        return Box::new(std::iter::once(t));
+    }
+    let [a, b, c] = t;
+    let (ab, bc, ca) = (
+        (a + b).normalize(),
+        (b + c).normalize(),
+        (c + a).normalize(),
+    );
+    Box::new(
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            .into_iter()
+            .flat_map(move |t| split(t, n - 1)),
+    )
+}
+
+/// What the patches of a subdivision would sum to without the common factor, over the exact horizontal illuminance [1].
+pub fn raw_share(sky: &Sky, patches: &[Patch]) -> f64 {
+    let sum: DVec3 = patches
+        .iter()
+        .map(|p| p.mean(|w| sky.radiance(w)) * p.projected)
+        .sum();
+    crate::colour::luminance(sum) / crate::colour::luminance(sky.horizontal_illuminance())
+}
