@@ -1,7 +1,11 @@
 //! The command line of tyndall.
 
+mod draw;
+mod output;
 mod place_time;
 mod sun;
+mod sun_batch;
+mod sun_path;
 
 use std::process::ExitCode;
 
