@@ -200,7 +200,7 @@ pub fn columns(sun: &SunPosition) -> [(&'static str, f64); 11] {
         ("distance_au", sun.distance_au),
         ("hour_angle", sun.hour_angle / DEG),
         ("angular_radius", sun.angular_radius / DEG),
-        ("air_mass", sun.air_mass),
+        ("air_mass", sun.air_mass()),
         ("irradiance_factor", sun.irradiance_factor),
     ]
 }
@@ -344,7 +344,7 @@ impl Context<'_> {
             (
                 "air mass",
                 if sun.elevation_apparent > 0.0 {
-                    format!("{:.3}", sun.air_mass)
+                    format!("{:.3}", sun.air_mass())
                 } else {
                     "the sun is below the horizon".into()
                 },

@@ -96,7 +96,7 @@ impl Almanac {
             });
         Some(Place {
             from_mean: half_turn(from_mean),
-            mean_longitude: spa::mean_longitude(instant.tt().centuries() / 10.0),
+            mean_longitude: spa::mean_longitude(days * (1.0 / 365_250.0)),
             declination,
             distance_au,
             equation_of_equinoxes,
