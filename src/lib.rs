@@ -5,6 +5,7 @@ pub mod error;
 pub mod medium;
 pub mod scene;
 pub mod sky;
+pub mod studies;
 pub mod units;
 
 pub use error::{Error, Result};

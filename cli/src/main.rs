@@ -1,5 +1,6 @@
 //! The command line of tyndall.
 
+mod accuracy;
 mod draw;
 mod output;
 mod place_time;
@@ -22,12 +23,15 @@ struct Cli {
 #[derive(clap::Subcommand)]
 enum Command {
     /// Sun position, rise, set, noon and twilights
-    Sun(sun::SunArgs),
+    Sun(Box<sun::SunArgs>),
+    /// What accuracy costs in time
+    Accuracy(accuracy::AccuracyArgs),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Sun(args) => sun::run(&args),
+        Command::Accuracy(args) => accuracy::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
