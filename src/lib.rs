@@ -12,6 +12,7 @@ pub mod plan;
 pub mod reference;
 pub mod scene;
 pub mod sky;
+pub mod studies;
 pub mod units;
 
 pub use error::{Error, Result};

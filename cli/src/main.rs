@@ -1,7 +1,10 @@
 //! The command line of tyndall.
 
+mod accuracy;
 mod completions;
 mod doctor;
+mod draw;
+mod output;
 mod place_time;
 mod plan;
 mod render;
@@ -11,6 +14,8 @@ mod sky;
 mod sky_batch;
 mod stdout;
 mod sun;
+mod sun_batch;
+mod sun_path;
 mod tell;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -29,8 +34,10 @@ enum Command {
     Render(render::RenderArgs),
     Plan(plan::PlanCommand),
     /// Sun position, rise, set, noon and twilights
-    Sun(sun::SunArgs),
+    Sun(Box<sun::SunArgs>),
     Sky(Box<sky::SkyArgs>),
+    /// What accuracy costs in time
+    Accuracy(accuracy::AccuracyArgs),
     Doctor(doctor::DoctorArgs),
     Schema(schema::SchemaArgs),
     Completions(completions::CompletionsArgs),
@@ -60,6 +67,7 @@ fn main() -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::Sun(args) => sun::run(&args),
         Command::Sky(args) => sky::run(&args),
+        Command::Accuracy(args) => accuracy::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),

@@ -1,39 +1,718 @@
-//! `tyndall sun`: where the sun is.
+//! `tyndall sun`: where the sun is, at an instant, over a day, over a range, or for every row of a table.
 
+use std::io::Write;
+use std::path::PathBuf;
+
+use chrono::{DateTime, NaiveDate, SecondsFormat, TimeDelta, Utc};
 use clap::Args;
-use tyndall::ephemeris::sun_position;
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+use tyndall::ephemeris::civil::{self, Moment, Zone};
+use tyndall::ephemeris::{
+    Absence, Air, Almanac, Crossings, DayEvents, Instant, Site, SunPosition, Tier, TimeScale,
+    duration_text,
+};
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
-use crate::place_time;
+use crate::place_time::{self, PlaceArgs, TimeArgs};
+use crate::{output, sun_batch, sun_path};
 
 /// The flags of `tyndall sun`.
 #[derive(Args, Debug)]
+#[command(after_help = "\
+A time gives one instant with the events of its date; a date alone (--time 2026-06-21) the events and a table of the day; \
+--until a table up to that time. Azimuth is from north through east; degrees throughout.\n\n\
+Examples:\n  \
+tyndall sun --at 48.8584,2.2945 --time 2026-06-21T18:30\n  \
+tyndall sun --at 48.8584,2.2945 --time 2026-06-21\n  \
+tyndall sun --at 48.8584,2.2945 --time 2026-01-01T00:00Z --until 2027-01-01T00:00Z --step 1m --csv > year.csv\n  \
+tyndall sun --at 48.8584,2.2945 --plot paths.svg\n  \
+tyndall sun --batch rows.csv > positions.csv")]
 pub struct SunArgs {
     #[command(flatten)]
-    place: place_time::PlaceArgs,
+    place: PlaceArgs,
     #[command(flatten)]
-    time: place_time::TimeArgs,
+    pub(crate) time: TimeArgs,
     #[command(flatten)]
-    sun: place_time::SunArgs,
+    pub(crate) sun: place_time::SunArgs,
+    /// The end of a range that begins at --time; it is not in the table itself
+    #[arg(
+        long,
+        value_name = "T",
+        allow_hyphen_values = true,
+        conflicts_with = "batch"
+    )]
+    until: Option<String>,
+    /// The step of a table: a number of seconds, or with s, m, h, d [default: 1h]
+    #[arg(long, value_name = "STEP", value_parser = step)]
+    step: Option<TimeDelta>,
+    /// The true elevation of the sun's centre that counts as rise and set, in degrees
+    #[arg(long, value_name = "DEG", default_value_t = -0.8333, allow_negative_numbers = true)]
+    horizon: f64,
+    /// A CSV of time, latitude, longitude, elevation (and pressure, temperature, delta_t), one position a row; - is stdin
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "time", "step", "plot"])]
+    pub(crate) batch: Option<PathBuf>,
+    /// With --batch: stop at the first broken row, and print nothing
+    #[arg(long, requires = "batch")]
+    pub(crate) strict: bool,
+    /// Draw the sun's paths over the year, stereographic and cartesian, as .svg or .png (repeatable)
+    #[arg(long, value_name = "FILE")]
+    plot: Vec<PathBuf>,
+    /// Print JSON
+    #[arg(long, conflicts_with = "csv")]
+    pub(crate) json: bool,
+    /// Print CSV
+    #[arg(long)]
+    pub(crate) csv: bool,
 }
 
 /// Runs `tyndall sun`.
 pub fn run(args: &SunArgs) -> Result<()> {
-    let site = args
-        .place
-        .at
-        .ok_or_else(|| Error::input("--at", "no place is given", "write --at LAT,LON"))?;
-    let moment = args
-        .time
-        .moment(args.time.time.as_deref().unwrap_or("now"), Some(&site))?;
-    let sun = sun_position(args.sun.tier, &moment.instant, &site, &args.sun.air(&site)?);
-    println!("{} ({})", moment.local().to_rfc3339(), moment.offset_source);
-    println!(
-        "azimuth {:.6} elevation {:.6} {:.6}",
-        sun.azimuth_deg(),
-        sun.elevation_true / DEG,
-        sun.elevation_apparent_deg()
-    );
-    Ok(())
+    if args.batch.is_some() {
+        return sun_batch::run(args);
+    }
+    let site = args.place.at.ok_or_else(|| {
+        Error::input(
+            "tyndall sun",
+            "no place is given",
+            "write --at LAT,LON[,ELEV], or --batch FILE",
+        )
+    })?;
+    let air = args.sun.air(&site)?;
+    let text = args.time.time.as_deref().unwrap_or("now");
+    let when = match civil::date_alone(text)? {
+        Some(date) => When::Day(date, zone(args, &site, date)?),
+        None => When::Moment(Box::new(args.time.moment(text, Some(&site))?)),
+    };
+    let clock = match &when {
+        When::Day(_, zone) => zone.clone(),
+        When::Moment(moment) => moment.clock.clone(),
+    };
+    if let When::Moment(moment) = &when {
+        for warning in &moment.warnings {
+            eprintln!("warning: {warning}");
+        }
+    }
+    let context = Context {
+        args,
+        site,
+        air,
+        clock,
+    };
+    if !args.plot.is_empty() {
+        let year = match &when {
+            When::Day(date, _) => chrono::Datelike::year(date),
+            When::Moment(moment) => chrono::Datelike::year(&moment.local()),
+        };
+        let drawing = sun_path::draw(
+            &site,
+            &context.clock,
+            year,
+            args.sun.tier,
+            args.time.delta_t,
+        )?;
+        for path in &args.plot {
+            drawing.save(path)?;
+            eprintln!("wrote {}", path.display());
+        }
+        // A picture was asked for; numbers only where a time was, too.
+        if args.time.time.is_none() {
+            return Ok(());
+        }
+    }
+    match (when, &args.until) {
+        (When::Day(date, _), None) => context.day(date),
+        (When::Moment(moment), None) if args.step.is_none() => context.instant(&moment),
+        (When::Moment(_), None) => Err(Error::input(
+            "--step",
+            "a step without an end",
+            "add --until T, or give a date alone to --time",
+        )),
+        (when, Some(until)) => {
+            let start = match when {
+                When::Day(date, zone) => zone.day(date)?.0,
+                When::Moment(moment) => moment.utc,
+            };
+            let end = match civil::date_alone(until)? {
+                Some(date) => context.clock.day(date)?.0,
+                None => args.time.moment(until, Some(&site))?.utc,
+            };
+            if end <= start {
+                return Err(Error::input(
+                    "--until",
+                    format!("{until} is not after --time"),
+                    "give a later time",
+                ));
+            }
+            context.range(start, end)
+        }
+    }
+}
+
+enum When {
+    Day(NaiveDate, Zone),
+    Moment(Box<Moment>),
+}
+
+/// The clock for a date at the site.
+fn zone(args: &SunArgs, site: &Site, date: NaiveDate) -> Result<Zone> {
+    if args.time.time_scale == TimeScale::Tt {
+        return Err(Error::input(
+            "--time-scale tt",
+            "a civil date has no terrestrial time",
+            "leave out --time-scale",
+        ));
+    }
+    civil::zone_for(args.time.tz.as_deref(), site, date)
+}
+
+/// `90`, `90s`, `10m`, `1h` or `1d`.
+fn step(text: &str) -> Result<TimeDelta, String> {
+    let text = text.trim();
+    let (number, unit) = match text.chars().last() {
+        Some('s') => (&text[..text.len() - 1], 1.0),
+        Some('m') => (&text[..text.len() - 1], 60.0),
+        Some('h') => (&text[..text.len() - 1], 3600.0),
+        Some('d') => (&text[..text.len() - 1], 86_400.0),
+        _ => (text, 1.0),
+    };
+    let seconds = number
+        .trim()
+        .parse::<f64>()
+        .map_err(|_| "write a number with s, m, h or d, as in 10m")?
+        * unit;
+    if !(1e-3..=1e9).contains(&seconds) {
+        return Err("a step is between a millisecond and 1e9 seconds".into());
+    }
+    Ok(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
+}
+
+/// The columns of a position, in degrees unless the name says otherwise; the first seven are those of a batch.
+pub fn columns(sun: &SunPosition) -> [(&'static str, f64); 11] {
+    [
+        ("azimuth", sun.azimuth_deg()),
+        ("elevation_true", sun.elevation_true_deg()),
+        ("elevation_apparent", sun.elevation_apparent_deg()),
+        ("declination", sun.declination / DEG),
+        ("right_ascension", sun.right_ascension / DEG),
+        ("equation_of_time", sun.equation_of_time_minutes),
+        ("distance_au", sun.distance_au),
+        ("hour_angle", sun.hour_angle / DEG),
+        ("angular_radius", sun.angular_radius / DEG),
+        ("air_mass", sun.air_mass()),
+        ("irradiance_factor", sun.irradiance_factor),
+    ]
+}
+
+struct Context<'a> {
+    args: &'a SunArgs,
+    site: Site,
+    air: Air,
+    clock: Zone,
+}
+
+impl Context<'_> {
+    fn tier(&self) -> Tier {
+        self.args.sun.tier
+    }
+
+    fn events(&self, date: NaiveDate) -> Result<DayEvents> {
+        DayEvents::new(
+            date,
+            &self.clock,
+            &self.site,
+            self.tier(),
+            self.args.horizon * DEG,
+            self.args.time.delta_t,
+        )
+    }
+
+    /// The place, as JSON.
+    fn place(&self) -> Value {
+        json!({
+            "latitude": self.site.latitude_deg(),
+            "longitude": self.site.longitude_deg(),
+            "elevation": self.site.elevation(),
+            "pressure": self.air.pressure_hpa(),
+            "temperature": self.air.temperature_c(),
+        })
+    }
+
+    fn clock_json(&self) -> Value {
+        json!({
+            "zone": self.clock.name(),
+            "source": self.clock.source(),
+            "tz_database": self.clock.name().map(|_| civil::tz_database()),
+        })
+    }
+
+    /// One instant: the position, and the events of its date.
+    fn instant(&self, moment: &Moment) -> Result<()> {
+        let sun =
+            tyndall::ephemeris::sun_position(self.tier(), &moment.instant, &self.site, &self.air);
+        let time = civil::local_text(moment.local());
+        let mut out = output::stdout();
+        if self.args.csv {
+            let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
+            out.line(&format!("time,{}", names.join(",")))?;
+            out.line(&csv_row(&output::time_text(&moment.local()), &sun))?;
+            return out.finish();
+        }
+        let events = self.events(moment.local().date_naive())?;
+        if self.args.json {
+            let value = json!({
+                "time": output::time_text(&moment.local()),
+                "utc": moment.utc.to_rfc3339_opts(SecondsFormat::AutoSi, true),
+                "jd_utc": moment.instant.ut().jd(),
+                "delta_t": moment.instant.delta_t(),
+                "clock": self.clock_json(),
+                "warnings": moment.warnings,
+                "place": self.place(),
+                "tier": self.tier().to_string(),
+                "sun": sun_json(&sun),
+                "events": self.events_json(&events),
+            });
+            out.line(&serde_json::to_string_pretty(&value).unwrap_or_default())?;
+            return out.finish();
+        }
+        let database = moment
+            .tz_database
+            .as_deref()
+            .map(|d| format!("; {d}"))
+            .unwrap_or_default();
+        let (tier, error) = (self.tier(), tier_error(self.tier()));
+        let lines = [
+            (
+                "time",
+                format!("{time} ({}{database})", moment.offset_source),
+            ),
+            (
+                "universal time",
+                format!(
+                    "{}, JD {:.6}, delta-T {:.1} s",
+                    moment.utc.to_rfc3339_opts(SecondsFormat::AutoSi, true),
+                    moment.instant.ut().jd(),
+                    moment.instant.delta_t()
+                ),
+            ),
+            ("place", self.place_text()),
+            (
+                "algorithm",
+                format!(
+                    "{tier}, within {error} for the same universal time (UTC is taken as UT1: up to 13.5\" more)"
+                ),
+            ),
+            (
+                "azimuth",
+                format!(
+                    "{:.4}° from north through east ({})",
+                    sun.azimuth_deg(),
+                    compass(sun.azimuth_deg())
+                ),
+            ),
+            (
+                "elevation",
+                format!(
+                    "{:.4}° apparent, {:.4}° true",
+                    sun.elevation_apparent_deg(),
+                    sun.elevation_true_deg()
+                ),
+            ),
+            (
+                "declination",
+                format!(
+                    "{:.4}°, right ascension {:.4}°, hour angle {:.4}°",
+                    sun.declination / DEG,
+                    sun.right_ascension / DEG,
+                    sun.hour_angle / DEG
+                ),
+            ),
+            (
+                "equation of time",
+                format!("{:+.3} min", sun.equation_of_time_minutes),
+            ),
+            (
+                "distance",
+                format!(
+                    "{:.6} au, angular radius {:.4}°, irradiance {:.4} of the mean",
+                    sun.distance_au,
+                    sun.angular_radius / DEG,
+                    sun.irradiance_factor
+                ),
+            ),
+            (
+                "air mass",
+                if sun.elevation_apparent > 0.0 {
+                    format!("{:.3}", sun.air_mass())
+                } else {
+                    "the sun is below the horizon".into()
+                },
+            ),
+        ];
+        for (name, value) in lines {
+            out.line(&format!("{name:<17} {value}"))?;
+        }
+        out.line("")?;
+        self.print_events(&mut out, &events)?;
+        out.finish()
+    }
+
+    /// A date: its events, and a table of positions.
+    fn day(&self, date: NaiveDate) -> Result<()> {
+        let events = self.events(date)?;
+        let step = self.args.step.unwrap_or(TimeDelta::hours(1));
+        let (start, end) = (events.span.0.to_utc(), events.span.1.to_utc());
+        if self.args.csv {
+            return self.range(start, end);
+        }
+        let rows = self.rows(start, end, step, 0..count(start, end, step))?;
+        let mut out = output::stdout();
+        if self.args.json {
+            let positions: Vec<Value> = rows
+                .iter()
+                .map(|(utc, sun)| with_time(&self.time_text(*utc), sun))
+                .collect();
+            let value = json!({
+                "date": date.to_string(),
+                "clock": self.clock_json(),
+                "place": self.place(),
+                "tier": self.tier().to_string(),
+                "events": self.events_json(&events),
+                "positions": positions,
+            });
+            out.line(&serde_json::to_string_pretty(&value).unwrap_or_default())?;
+            return out.finish();
+        }
+        out.line(&format!(
+            "{date} at {} ({}), tier {}",
+            self.place_text(),
+            self.clock.source(),
+            self.tier()
+        ))?;
+        out.line("")?;
+        self.print_events(&mut out, &events)?;
+        out.line("")?;
+        self.print_table(&mut out, &rows)?;
+        out.finish()
+    }
+
+    /// A table from one instant up to another.
+    fn range(&self, start: DateTime<Utc>, end: DateTime<Utc>) -> Result<()> {
+        let step = self.args.step.unwrap_or(TimeDelta::hours(1));
+        let count = count(start, end, step);
+        let mut out = output::stdout();
+        if self.args.csv {
+            let sun = tyndall::ephemeris::sun_position(
+                self.tier(),
+                &self.instant_at(start)?,
+                &self.site,
+                &self.air,
+            );
+            let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
+            out.line(&format!("time,{}", names.join(",")))?;
+        } else if self.args.json {
+            out.line("[")?;
+        } else {
+            out.line(&format!(
+                "{} ({}), tier {}",
+                self.place_text(),
+                self.clock.source(),
+                self.tier()
+            ))?;
+        }
+        // Pieces small enough to be written while the next are computed, large enough for an almanac to pay.
+        const PIECE: u64 = 20_000;
+        let mut first = 0;
+        while first < count {
+            let waves: Vec<(u64, u64)> = (0..8)
+                .map(|i| (first + i * PIECE, (first + (i + 1) * PIECE).min(count)))
+                .filter(|(a, b)| a < b)
+                .collect();
+            let texts: Vec<Result<Vec<u8>>> = waves
+                .par_iter()
+                .map(|&(from, to)| {
+                    let rows = self.rows(start, end, step, from..to)?;
+                    let mut text = Vec::with_capacity(rows.len() * 220);
+                    for (i, (utc, sun)) in rows.iter().enumerate() {
+                        if self.args.csv {
+                            self.write_csv(&mut text, *utc, sun);
+                        } else if self.args.json {
+                            let comma = if from + i as u64 + 1 < count { "," } else { "" };
+                            let row = with_time(&self.time_text(*utc), sun);
+                            let _ = writeln!(text, "{row}{comma}");
+                        } else {
+                            let _ = writeln!(text, "{}", self.table_row(*utc, sun));
+                        }
+                    }
+                    Ok(text)
+                })
+                .collect();
+            if first == 0 && !self.args.csv && !self.args.json {
+                out.line(TABLE_HEAD)?;
+            }
+            for text in texts {
+                out.bytes(&text?)?;
+            }
+            first += 8 * PIECE;
+        }
+        if self.args.json {
+            out.line("]")?;
+        }
+        out.finish()
+    }
+
+    fn instant_at(&self, utc: DateTime<Utc>) -> Result<Instant> {
+        match self.args.time.delta_t {
+            Some(delta_t) => Instant::from_utc_with(utc, delta_t),
+            None => Instant::from_utc(utc),
+        }
+    }
+
+    /// Rows `range` of a table.
+    fn rows(
+        &self,
+        start: DateTime<Utc>,
+        end: DateTime<Utc>,
+        step: TimeDelta,
+        range: std::ops::Range<u64>,
+    ) -> Result<Vec<(DateTime<Utc>, SunPosition)>> {
+        let nanos = step.num_nanoseconds().unwrap_or(i64::MAX);
+        // start + i steps, without leaving i64 nanoseconds for a range of centuries.
+        let utc = |i: u64| {
+            let total = i128::from(nanos) * i128::from(i);
+            start
+                + TimeDelta::seconds((total / 1_000_000_000) as i64)
+                + TimeDelta::nanoseconds((total % 1_000_000_000) as i64)
+        };
+        let (from, to) = (
+            self.instant_at(utc(range.start))?,
+            self.instant_at(utc(range.end).min(end))?,
+        );
+        // An almanac takes a place for each two days: below four positions in these it would not pay.
+        let almanac = (nanos <= 43_200_000_000_000 && range.end - range.start > 24)
+            .then(|| Almanac::new(self.tier(), &from, &to));
+        range
+            .map(|i| {
+                let utc = utc(i);
+                let instant = self.instant_at(utc)?;
+                let sun = match &almanac {
+                    Some(almanac) => almanac.sun_position(&instant, &self.site, &self.air),
+                    None => tyndall::ephemeris::sun_position(
+                        self.tier(),
+                        &instant,
+                        &self.site,
+                        &self.air,
+                    ),
+                };
+                Ok((utc, sun))
+            })
+            .collect()
+    }
+
+    fn time_text(&self, utc: DateTime<Utc>) -> String {
+        output::time_text(&self.clock.local(utc))
+    }
+
+    fn write_csv(&self, text: &mut Vec<u8>, utc: DateTime<Utc>, sun: &SunPosition) {
+        output::write_time(text, &self.clock.local(utc));
+        for (_, value) in columns(sun) {
+            let _ = write!(text, ",{value}");
+        }
+        text.push(b'\n');
+    }
+
+    fn print_table(
+        &self,
+        out: &mut output::Out,
+        rows: &[(DateTime<Utc>, SunPosition)],
+    ) -> Result<()> {
+        out.line(TABLE_HEAD)?;
+        for (utc, sun) in rows {
+            out.line(&self.table_row(*utc, sun))?;
+        }
+        Ok(())
+    }
+
+    fn table_row(&self, utc: DateTime<Utc>, sun: &SunPosition) -> String {
+        format!(
+            "{:<25} {:>9.4} {:>9.4} {:>9.4} {:>9.4} {:>8.3}",
+            civil::local_text(self.clock.local(utc)),
+            sun.azimuth_deg(),
+            sun.elevation_apparent_deg(),
+            sun.elevation_true_deg(),
+            sun.declination / DEG,
+            sun.equation_of_time_minutes
+        )
+    }
+
+    fn place_text(&self) -> String {
+        let letter = |value: f64, letters: [char; 2]| {
+            format!("{}°{}", value.abs(), letters[usize::from(value < 0.0)])
+        };
+        format!(
+            "{}, {}, {} m; air of {:.1} hPa and {:.1} °C",
+            letter(self.site.latitude_deg(), ['N', 'S']),
+            letter(self.site.longitude_deg(), ['E', 'W']),
+            self.site.elevation(),
+            self.air.pressure_hpa(),
+            self.air.temperature_c()
+        )
+    }
+
+    /// The events in the order of the day, each with its name, elevation and time or reason.
+    fn event_list<'e>(
+        &self,
+        events: &'e DayEvents,
+    ) -> Vec<(&'static str, Vec<Instant>, Option<Absence>)> {
+        let rise = |c: &'e Crossings| (c.rising.clone(), c.rise().err());
+        let set = |c: &'e Crossings| (c.setting.clone(), c.set().err());
+        let transit = |t: &[Instant]| (t.to_vec(), t.is_empty().then_some(Absence::OtherDate));
+        [
+            ("astronomical_dawn", rise(&events.astronomical)),
+            ("nautical_dawn", rise(&events.nautical)),
+            ("civil_dawn", rise(&events.civil)),
+            ("blue_hour_end", rise(&events.blue)),
+            ("sunrise", rise(&events.day)),
+            ("golden_hour_end", rise(&events.golden)),
+            ("noon", transit(&events.noon)),
+            ("golden_hour_begin", set(&events.golden)),
+            ("sunset", set(&events.day)),
+            ("blue_hour_begin", set(&events.blue)),
+            ("civil_dusk", set(&events.civil)),
+            ("nautical_dusk", set(&events.nautical)),
+            ("astronomical_dusk", set(&events.astronomical)),
+            ("midnight", transit(&events.midnight)),
+        ]
+        .into_iter()
+        .map(|(name, (times, absence))| (name, times, absence))
+        .collect()
+    }
+
+    fn events_json(&self, events: &DayEvents) -> Value {
+        let mut map = Map::new();
+        map.insert("date".into(), json!(events.date.to_string()));
+        map.insert("horizon".into(), json!(self.args.horizon));
+        for (name, times, absence) in self.event_list(events) {
+            let value = match absence {
+                Some(reason) => json!({ "times": [], "reason": reason_text(reason) }),
+                None => {
+                    json!({ "times": times.iter().map(|t| self.millis(t)).collect::<Vec<_>>() })
+                }
+            };
+            map.insert(name.into(), value);
+        }
+        map.insert("day_length_seconds".into(), json!(events.day_length));
+        Value::Object(map)
+    }
+
+    fn millis(&self, instant: &Instant) -> String {
+        let millis = instant.plus_seconds(0.0005).to_utc();
+        let whole = DateTime::from_timestamp_millis(millis.timestamp_millis()).unwrap_or(millis);
+        output::time_text(&self.clock.local(whole))
+    }
+
+    fn print_events(&self, out: &mut output::Out, events: &DayEvents) -> Result<()> {
+        let almanac = Almanac::new(self.tier(), &events.span.0, &events.span.1);
+        out.line(&format!("events of {}", events.date))?;
+        for (name, times, absence) in self.event_list(events) {
+            let label = name.replace('_', " ");
+            if let Some(reason) = absence {
+                out.line(&format!(
+                    "  {label:<17} none: {}",
+                    self.reason(name, reason)
+                ))?;
+                continue;
+            }
+            for time in &times {
+                let sun = almanac.sun_position(time, &self.site, &self.air);
+                // Rounded to the second, not cut.
+                let rounded = time.plus_seconds(0.5);
+                out.line(&format!(
+                    "  {label:<17} {}  azimuth {:>6.2}°, elevation {:>6.2}° true",
+                    self.clock.local(rounded.to_utc()).format("%H:%M:%S"),
+                    // 359.999 is written 0.00, not 360.00.
+                    (sun.azimuth_deg() * 100.0).round() % 36_000.0 / 100.0,
+                    sun.elevation_true_deg()
+                ))?;
+            }
+        }
+        let length = duration_text(events.day_length);
+        out.line(&format!("  {:<17} {length}", "day length"))
+    }
+
+    fn reason(&self, name: &str, reason: Absence) -> &'static str {
+        match (name, reason) {
+            ("sunrise" | "sunset", Absence::AboveAllDay) => {
+                "polar day, the sun stays above the horizon"
+            }
+            ("sunrise" | "sunset", Absence::BelowAllDay) => {
+                "polar night, the sun stays below the horizon"
+            }
+            _ => reason_text(reason),
+        }
+    }
+}
+
+const TABLE_HEAD: &str =
+    "time                        azimuth  apparent      true     decl.  eq. of time [min]";
+
+fn reason_text(reason: Absence) -> &'static str {
+    match reason {
+        Absence::AboveAllDay => "the sun stays above this elevation all day",
+        Absence::BelowAllDay => "the sun stays below this elevation all day",
+        Absence::OtherDate => "it falls on a neighbouring date",
+    }
+}
+
+/// The number of rows from `start` up to, not including, `end`.
+fn count(start: DateTime<Utc>, end: DateTime<Utc>, step: TimeDelta) -> u64 {
+    let span = end - start;
+    let nanos = i128::from(span.num_seconds()) * 1_000_000_000 + i128::from(span.subsec_nanos());
+    let step = i128::from(step.num_nanoseconds().unwrap_or(i64::MAX));
+    ((nanos + step - 1) / step) as u64
+}
+
+fn sun_json(sun: &SunPosition) -> Value {
+    Value::Object(
+        columns(sun)
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), json!(value)))
+            .collect(),
+    )
+}
+
+fn with_time(time: &str, sun: &SunPosition) -> Value {
+    let mut row = Map::new();
+    row.insert("time".into(), json!(time));
+    for (name, value) in columns(sun) {
+        row.insert(name.into(), json!(value));
+    }
+    Value::Object(row)
+}
+
+fn csv_row(time: &str, sun: &SunPosition) -> String {
+    let cells: Vec<String> = columns(sun)
+        .iter()
+        .map(|(_, value)| value.to_string())
+        .collect();
+    format!("{time},{}", cells.join(","))
+}
+
+/// A tier's stated error.
+fn tier_error(tier: Tier) -> &'static str {
+    match tier {
+        Tier::Day => "1.2°",
+        Tier::Minute => "0.0105°",
+        Tier::Spa => "0.0003°",
+        Tier::Arcsecond => "0.2\"",
+    }
+}
+
+fn compass(azimuth: f64) -> &'static str {
+    const POINTS: [&str; 16] = [
+        "N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW",
+        "NW", "NNW",
+    ];
+    POINTS[(azimuth / 22.5).round() as usize % 16]
 }

@@ -4,8 +4,8 @@
 //! periods of 5.6, 9.1, 13.7 days and amplitudes of 0.001, 0.04 and 0.23 arcseconds. Between places `h` days apart the
 //! polynomial through the eight nearest misses a wave of period P by at most its amplitude times
 //! 1.07e-3 (2 pi h / P)^8 (the remainder of Lagrange's interpolation in the middle of the table: (0.5 * 1.5 * 2.5 * 3.5)^2 h^8 / 8!).
-//! With h = 2 days these are 0.0000 (yearly), 0.0001 (13.7 days), 0.0006 (9.1) and 0.001 arcseconds (5.6); h = 1 day
-//! makes them 256 times smaller. The bound of the whole is 0.01 arcseconds; measured, see `tests/ephemeris.rs`.
+//! With h = 2 days these are 0.0001 (13.7 days), 0.0006 (9.1) and 0.001 arcseconds (5.6). The bound of the whole is
+//! 0.01 arcseconds; 0.003 are measured (`tests/ephemeris.rs`).
 
 use super::place::{Place, half_turn};
 use super::position::{SunPosition, geocentric, observe, place_at};
@@ -13,6 +13,8 @@ use super::site::{Air, Site};
 use super::time::{Instant, Julian};
 use super::{Tier, spa};
 
+/// The distance of the tabulated places [days].
+const STEP: f64 = 2.0;
 /// Places on either side of an interval that its polynomial passes through.
 const HALF: usize = 4;
 const POINTS: usize = 2 * HALF;
@@ -22,15 +24,13 @@ type Columns = [f64; 4];
 
 /// The sun's geocentric place over a span of time, for positions at any site in it.
 ///
-/// Agrees with [`super::sun_position`] within 0.01 arcseconds. Costs a place for each two days (one, at tier `arcsecond`) and
-/// then about a tenth of a microsecond a position; worth it from a few positions a day on. Tier `day` is cheap already
-/// and not tabulated.
+/// Agrees with [`super::sun_position`] within 0.01 arcseconds. It costs a place for each two days, and then about a tenth
+/// of a microsecond a position: worth it from a few positions a day on. Tier `day` is cheap already and not tabulated.
 #[derive(Clone, Debug)]
 pub struct Almanac {
     tier: Tier,
-    /// The time of the first interval's beginning [days since J2000.0 TT], and the intervals' length [days].
+    /// The time of the first interval's beginning [days since J2000.0 TT].
     start: f64,
-    step: f64,
     /// Coefficients of the polynomial of each interval, over -1 to 1.
     intervals: Vec<[Columns; POINTS]>,
 }
@@ -38,18 +38,17 @@ pub struct Almanac {
 impl Almanac {
     /// The places from one instant to another, in any order.
     pub fn new(tier: Tier, one: &Instant, other: &Instant) -> Self {
-        let step = if tier == Tier::Arcsecond { 1.0 } else { 2.0 };
         let (one, other) = (one.tt().days(), other.tt().days());
         // The grid is fixed in time, so that a position does not depend on the span it was asked in.
-        let first = (one.min(other) / step).floor();
+        let first = (one.min(other) / STEP).floor();
         let count = if tier == Tier::Day {
             0
         } else {
-            ((one.max(other) / step).floor() - first) as usize + 1
+            ((one.max(other) / STEP).floor() - first) as usize + 1
         };
         let table: Vec<Columns> = (0..if count == 0 { 0 } else { count + POINTS - 1 })
             .map(|i| {
-                let days = (first + i as f64 - (HALF - 1) as f64) * step;
+                let days = (first + i as f64 - (HALF - 1) as f64) * STEP;
                 let place = place_at(tier, Julian::new(2_451_545.0, days));
                 [
                     place.from_mean,
@@ -62,8 +61,7 @@ impl Almanac {
         let intervals = table.windows(POINTS).map(polynomial).collect();
         Self {
             tier,
-            start: first * step,
-            step,
+            start: first * STEP,
             intervals,
         }
     }
@@ -80,7 +78,7 @@ impl Almanac {
     /// The interpolated place, or `None` outside the span.
     fn place(&self, instant: &Instant) -> Option<Place> {
         let days = instant.tt().days();
-        let position = (days - self.start) / self.step;
+        let position = (days - self.start) / STEP;
         if position < 0.0 {
             return None;
         }
@@ -98,7 +96,7 @@ impl Almanac {
             });
         Some(Place {
             from_mean: half_turn(from_mean),
-            mean_longitude: spa::mean_longitude(instant.tt().centuries() / 10.0),
+            mean_longitude: spa::mean_longitude(days * (1.0 / 365_250.0)),
             declination,
             distance_au,
             equation_of_equinoxes,

@@ -11,9 +11,10 @@
 use std::f64::consts::TAU;
 
 use super::place::Place;
+use super::series::{periodic, sin_cos};
 use super::spa;
 use super::time::{CENTURY, Julian};
-use super::vsop87::{B, L, R, Term};
+use super::vsop87::{B, L, R};
 use crate::units::ARCSEC;
 
 /// Light time over one astronomical unit [days] (IAU 2012).
@@ -27,10 +28,10 @@ pub(super) fn place(tt: Julian) -> Place {
     let mean_anomaly = (357.529 + 35999.050 * t).to_radians();
     let rough = 1.0001 - 0.0167 * mean_anomaly.cos();
     let emitted = (t - rough * LIGHT_TIME / CENTURY) / 10.0;
-    let (sin_l, cos_l) = series(&L, emitted).sin_cos();
-    let (sin_b, cos_b) = series(&B, emitted).sin_cos();
+    let (sin_l, cos_l) = periodic(&L, emitted).sin_cos();
+    let (sin_b, cos_b) = periodic(&B, emitted).sin_cos();
     // The distance is the one now: what the ellipse adds to it while the light travels.
-    let distance_au = series(&R, emitted) + 0.0167 * mean_anomaly.sin() * 0.0172 * LIGHT_TIME;
+    let distance_au = periodic(&R, emitted) + 0.0167 * mean_anomaly.sin() * 0.0172 * LIGHT_TIME;
     // The earth's from the sun, seen backwards, in the dynamical ecliptic of J2000.0.
     let (x, y, z) = (-cos_b * cos_l, -cos_b * sin_l, -sin_b);
     // To the mean equator and equinox of J2000.0: the rotation that comes with VSOP87.
@@ -89,17 +90,6 @@ pub(super) fn sidereal_time(ut: Julian, tt: Julian) -> f64 {
     // ERA = 2 pi (0.779... + 1.0027... days): whole turns are left out before they cost digits.
     let rotation = TAU * (0.7790572732640 + (ut.fraction - 0.5) + 0.00273781191135448 * ut.days());
     rotation + PRECESSION.iter().rev().fold(0.0, |sum, c| sum * t + c) * ARCSEC
-}
-
-/// A sum of periodic terms for each power of time, and the polynomial over them.
-fn series(powers: &[&[Term]], t: f64) -> f64 {
-    powers.iter().rev().fold(0.0, |sum, terms| {
-        sum * t
-            + terms
-                .iter()
-                .map(|[a, b, c]| a * (b + c * t).cos())
-                .sum::<f64>()
-    })
 }
 
 /// The pole of the ecliptic on the axes of J2000.0 (Vondrak et al. 2011, table 1).
@@ -196,7 +186,7 @@ fn nutation(t: f64) -> (f64, f64, f64) {
             .zip(arguments)
             .map(|(&n, x)| f64::from(n) * x)
             .sum();
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = sin_cos(angle);
         d_psi += (ps + pst * t) * sin + pc * cos;
         d_eps += (ec + ect * t) * cos + es * sin;
     }

@@ -409,6 +409,19 @@ pub fn resolve_with(text: &str, reading: &Reading) -> Result<Moment> {
     }
 }
 
+/// The instant alone of a text, as [`resolve_with`] reads it: for many rows, whose local clocks nobody asks for.
+///
+/// # Errors
+/// As [`resolve`]; but a known instant never fails for its zone.
+pub fn instant_with(text: &str, reading: &Reading) -> Result<Instant> {
+    match julian_digits(text.trim()) {
+        Some(digits) => {
+            Instant::from_julian(julian_date(text, digits)?, reading.scale, reading.delta_t)
+        }
+        None => Ok(resolve_with(text, reading)?.instant),
+    }
+}
+
 /// The civil date in a text that is a date alone (`2026-06-21`), or `None` if it is not of that form.
 ///
 /// # Errors
@@ -425,6 +438,17 @@ pub fn date_alone(text: &str) -> Result<Option<NaiveDate>> {
         return Ok(None);
     }
     parse_date(text, text).map(Some)
+}
+
+/// The clock by which a site's dates are counted: the zone named, or the site's own.
+///
+/// # Errors
+/// [`Error::Input`] for an unknown zone, or where several zones claim the place and disagree.
+pub fn zone_for(zone: Option<&str>, site: &Site, date: NaiveDate) -> Result<Zone> {
+    match zone {
+        Some(name) => zone_or_offset(name),
+        None => Zone::at(site, date.and_time(NaiveTime::MIN).and_utc()),
+    }
 }
 
 /// Puts a moment together and looks at whether it is plausible.

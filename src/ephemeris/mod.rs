@@ -18,6 +18,7 @@ mod minute;
 mod place;
 mod position;
 mod refraction;
+mod series;
 mod site;
 mod spa;
 mod spa_terms;

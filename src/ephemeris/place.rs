@@ -7,6 +7,9 @@ use crate::units::DEG;
 /// The aberration in the mean longitude that the equation of time counts from, 0.0057183 degrees (Meeus, chapter 28).
 const MEAN_ABERRATION: f64 = 0.005_718_3 * DEG;
 
+/// Turns in a radian.
+const TURN: f64 = 1.0 / TAU;
+
 /// The sun's geocentric apparent place, referred to the true equator and equinox of date.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
@@ -75,17 +78,27 @@ impl Place {
 
 /// An angle [rad] wrapped into [0, 2 pi).
 pub(super) fn full_turn(angle: f64) -> f64 {
-    let wrapped = angle.rem_euclid(TAU);
-    // -1e-20 wraps to 2 pi itself.
-    if wrapped < TAU { wrapped } else { 0.0 }
+    let wrapped = angle - TAU * floor(angle * TURN);
+    // Rounding may leave it a hair outside.
+    if (0.0..TAU).contains(&wrapped) {
+        wrapped
+    } else {
+        0.0
+    }
 }
 
 /// An angle [rad] wrapped into (-pi, pi].
 pub(super) fn half_turn(angle: f64) -> f64 {
-    let wrapped = angle - TAU * (angle / TAU).round();
+    let wrapped = angle - TAU * floor(angle * TURN + 0.5);
     if wrapped > -PI {
         wrapped
     } else {
         wrapped + TAU
     }
+}
+
+/// The whole number below, for numbers that an i64 holds: without the call that f64::floor is on older processors.
+pub(super) fn floor(x: f64) -> f64 {
+    let cut = x as i64 as f64;
+    if cut > x { cut - 1.0 } else { cut }
 }

@@ -2,6 +2,7 @@
 
 use super::place::{Place, full_turn, half_turn};
 use super::refraction::{air_mass, refraction};
+use super::series::sin_cos;
 use super::site::{Air, EARTH_RADIUS, Site};
 use super::time::{Instant, Julian};
 use super::{Tier, arcsecond, day, minute, spa};
@@ -35,13 +36,16 @@ pub struct SunPosition {
     pub distance_au: f64,
     /// Angular radius of the disc [rad], from the earth's centre.
     pub angular_radius: f64,
-    /// Relative air mass along the apparent elevation: see [`air_mass`]; 37.92 at and below the horizon.
-    pub air_mass: f64,
     /// Extraterrestrial irradiance over the solar constant, 1 / distance^2.
     pub irradiance_factor: f64,
 }
 
 impl SunPosition {
+    /// Relative air mass along the apparent elevation, 37.92 at and below the horizon (Kasten & Young 1989, [`air_mass`]).
+    pub fn air_mass(&self) -> f64 {
+        air_mass(self.elevation_apparent)
+    }
+
     /// Azimuth [degrees] in [0, 360), from north through east.
     pub fn azimuth_deg(&self) -> f64 {
         let degrees = self.azimuth / DEG;
@@ -101,6 +105,11 @@ pub(super) fn place_at(tier: Tier, tt: Julian) -> Place {
     }
 }
 
+/// The arcsine of a few thousandths, to 1e-13.
+fn small_arcsine(x: f64) -> f64 {
+    x * (1.0 + x * x * (1.0 / 6.0))
+}
+
 /// What an observer sees of a geocentric place.
 pub(super) fn observe(
     tier: Tier,
@@ -118,13 +127,14 @@ pub(super) fn observe(
     let longitude = site.longitude_deg() * DEG;
     let hour_angle = half_turn(sidereal + longitude - place.mean_longitude - place.from_mean);
 
+    let nearness = 1.0 / place.distance_au;
     // Axes of the meridian: outward in the equator's plane, east, and north along the earth's axis.
-    let (sin_h, cos_h) = hour_angle.sin_cos();
-    let (sin_d, cos_d) = place.declination.sin_cos();
+    let (sin_h, cos_h) = sin_cos(hour_angle);
+    let (sin_d, cos_d) = sin_cos(place.declination);
     let radii = if tier == Tier::Day {
         0.0
     } else {
-        EARTH_RADIUS / ASTRONOMICAL_UNIT / place.distance_au
+        EARTH_RADIUS / ASTRONOMICAL_UNIT * nearness
     };
     let outward = cos_d * cos_h - radii * site.axial;
     let aberration = if tier == Tier::Arcsecond {
@@ -146,11 +156,10 @@ pub(super) fn observe(
         declination: place.declination,
         right_ascension: place.right_ascension(),
         hour_angle,
-        equation_of_time_minutes: equation_of_time / DEG * 4.0,
+        equation_of_time_minutes: equation_of_time * (4.0 / DEG),
         distance_au: place.distance_au,
-        angular_radius: (0.5 * SUN_DIAMETER / place.distance_au).asin(),
-        air_mass: air_mass(elevation_apparent),
-        irradiance_factor: 1.0 / (place.distance_au * place.distance_au),
+        angular_radius: small_arcsine(0.5 * SUN_DIAMETER * nearness),
+        irradiance_factor: nearness * nearness,
     }
 }
 

@@ -7,18 +7,19 @@
 //! report's.
 
 use super::place::Place;
-use super::spa_terms::{B, L, NUTATION, R, Term};
+use super::series::{periodic, sin_cos};
+use super::spa_terms::{B, L, NUTATION, R};
 use super::time::Julian;
 use crate::units::{ARCSEC, DEG};
 
 /// The sun's geocentric apparent place at a terrestrial time.
 pub(super) fn place(tt: Julian) -> Place {
     let t = tt.centuries();
-    let millennia = t / 10.0;
+    let millennia = 0.1 * t;
     // Equations 9 to 12; the sun stands opposite to the earth.
-    let longitude = series(&L, millennia) * 1e-8 + std::f64::consts::PI;
-    let latitude = -series(&B, millennia) * 1e-8;
-    let distance_au = series(&R, millennia) * 1e-8;
+    let longitude = periodic(&L, millennia) * 1e-8 + std::f64::consts::PI;
+    let latitude = -periodic(&B, millennia) * 1e-8;
+    let distance_au = periodic(&R, millennia) * 1e-8;
     let (d_psi, d_eps) = nutation(t);
     let obliquity = mean_obliquity(millennia) + d_eps;
     // Equations 26 and 27.
@@ -32,17 +33,6 @@ pub(super) fn place(tt: Julian) -> Place {
         d_psi * obliquity.cos(),
         mean_longitude(millennia),
     )
-}
-
-/// A sum of periodic terms for each power of time, and the polynomial over them.
-fn series(powers: &[&[Term]], t: f64) -> f64 {
-    powers.iter().rev().fold(0.0, |sum, terms| {
-        sum * t
-            + terms
-                .iter()
-                .map(|[a, b, c]| a * (b + c * t).cos())
-                .sum::<f64>()
-    })
 }
 
 /// Nutation in longitude and in obliquity [rad] (equations 15 to 23).
@@ -62,7 +52,7 @@ pub(super) fn nutation(t: f64) -> (f64, f64) {
             .zip(arguments)
             .map(|(&n, x)| f64::from(n) * x)
             .sum();
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = sin_cos(angle);
         d_psi += (a + b * t) * sin;
         d_eps += (c + d * t) * cos;
     }
@@ -83,7 +73,8 @@ pub(super) fn mean_longitude(millennia: f64) -> f64 {
     let m = millennia;
     let degrees = 280.466_456_7
         + m * (360_007.698_277_9
-            + m * (0.030_320_28 + m * (1.0 / 49_931.0 - m * (1.0 / 15_300.0 + m / 2_000_000.0))));
+            + m * (0.030_320_28
+                + m * (1.0 / 49_931.0 - m * (1.0 / 15_300.0 + m * (1.0 / 2_000_000.0)))));
     degrees * DEG
 }
 
@@ -95,7 +86,7 @@ pub(super) fn sidereal_time(ut: Julian) -> f64 {
     (280.460_618_37
         + 360.0 * (ut.fraction - 0.5)
         + 0.985_647_366_29 * ut.days()
-        + t * t * (0.000_387_933 - t / 38_710_000.0))
+        + t * t * (0.000_387_933 - t * (1.0 / 38_710_000.0)))
         * DEG
 }
 
@@ -123,12 +114,12 @@ mod tests {
         };
         assert!((example().ut().jd() - 2_452_930.312_847).abs() < 5e-7);
         near(
-            (series(&L, m) * 1e-8 / DEG).rem_euclid(360.0),
+            (periodic(&L, m) * 1e-8 / DEG).rem_euclid(360.0),
             24.018_261_691_7,
             1e-10,
         );
-        near(series(&B, m) * 1e-8 / DEG, -0.000_101_121_9, 1e-10);
-        near(series(&R, m) * 1e-8, 0.996_542_297_4, 1e-10);
+        near(periodic(&B, m) * 1e-8 / DEG, -0.000_101_121_9, 1e-10);
+        near(periodic(&R, m) * 1e-8, 0.996_542_297_4, 1e-10);
         let (d_psi, d_eps) = nutation(t);
         near(d_psi / DEG, -0.003_998_40, 5e-9);
         near(d_eps / DEG, 0.001_666_57, 5e-9);

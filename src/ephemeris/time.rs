@@ -3,6 +3,7 @@
 use chrono::{DateTime, Datelike, NaiveDate, Timelike, Utc};
 
 use super::delta_t;
+use super::place::floor;
 use crate::error::{Error, Result};
 use crate::units::DAY;
 
@@ -25,9 +26,9 @@ pub struct Julian {
 impl Julian {
     /// From a Julian date in parts of any size, say 2451545.0 and 0.25 [days].
     pub fn new(jd: f64, fraction: f64) -> Self {
-        let midnight = (jd - 0.5).floor() + 0.5;
+        let midnight = floor(jd - 0.5) + 0.5;
         let rest = (jd - midnight) + fraction;
-        let carry = rest.floor();
+        let carry = floor(rest);
         // 1 - 1e-17 rounds to 1: the carry is looked at again.
         let fraction = rest - carry;
         if fraction < 1.0 {
@@ -63,12 +64,12 @@ impl Julian {
 
     /// The Julian centuries since J2000.0.
     pub fn centuries(self) -> f64 {
-        self.days() / CENTURY
+        self.days() * (1.0 / CENTURY)
     }
 
     /// The date `seconds` later.
     pub fn plus_seconds(self, seconds: f64) -> Self {
-        Self::new(self.day, self.fraction + seconds / DAY)
+        Self::new(self.day, self.fraction + seconds * (1.0 / DAY))
     }
 
     /// The seconds from `earlier` to this date [s].

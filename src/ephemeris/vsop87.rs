@@ -7,8 +7,7 @@
 //! Source: Bretagnon & Francou 1988, Astronomy and Astrophysics 202, 309; file VSOP87B.ear.
 #![allow(clippy::approx_constant)]
 
-/// A periodic term: amplitude [rad, or au], phase [rad], rate [rad per Julian millennium].
-pub(super) type Term = [f64; 3];
+use super::series::Term;
 
 /// Longitude [rad], one list per power of time.
 #[rustfmt::skip]

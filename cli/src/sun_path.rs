@@ -1,0 +1,510 @@
+//! The sun-path diagram: where the sun stands at every hour of the year, as a dome seen from above and as a panorama.
+
+use chrono::{DateTime, Datelike, NaiveDate, TimeDelta, Utc};
+use tyndall::ephemeris::civil::{Zone, offset_text};
+use tyndall::ephemeris::{Air, Almanac, Instant, Site, SunPosition, Tier};
+use tyndall::units::DEG;
+use tyndall::{Error, Result};
+
+use crate::draw::{Anchor, Color, Drawing, text_width};
+
+const INK: Color = [20, 20, 20];
+const GRID: Color = [190, 190, 190];
+const PATH: Color = [190, 70, 0];
+const HOUR: Color = [20, 70, 150];
+
+const DOME: [f64; 2] = [400.0, 500.0];
+const RADIUS: f64 = 335.0;
+/// The panorama's corners: left, top, right, bottom.
+const PANORAMA: [f64; 4] = [850.0, 165.0, 1550.0, 835.0];
+
+/// A place on the sky [degrees].
+type Sky = (f64, f64);
+
+/// Draws the diagram of a year at a site. Elevations are apparent ones; hours are those of the clock's standard time.
+///
+/// # Errors
+/// [`Error::Domain`] for a year outside those of the ephemeris.
+pub fn draw(
+    site: &Site,
+    clock: &Zone,
+    year: i32,
+    tier: Tier,
+    delta_t: Option<f64>,
+) -> Result<Drawing> {
+    let year = Year::new(site, clock, year, tier, delta_t)?;
+    let mut drawing = Drawing::new(1600.0, 930.0);
+    let letter = |value: f64, letters: [char; 2]| {
+        format!("{}° {}", value.abs(), letters[usize::from(value < 0.0)])
+    };
+    drawing.text(
+        [800.0, 40.0],
+        30.0,
+        Anchor::Middle,
+        INK,
+        format!(
+            "Sun paths at {}, {} in {}",
+            letter(site.latitude_deg(), ['N', 'S']),
+            letter(site.longitude_deg(), ['E', 'W']),
+            year.number
+        ),
+    );
+    drawing.text(
+        [800.0, 78.0],
+        17.0,
+        Anchor::Middle,
+        INK,
+        format!(
+            "apparent elevation; hours at UTC{}{} (standard time all year); thin paths on the 21st of the months between",
+            offset_text(year.offset),
+            clock.name().map(|name| format!(", {name}")).unwrap_or_default()
+        ),
+    );
+    dome_grid(&mut drawing);
+    let facing = if site.latitude_deg() < 0.0 {
+        0.0
+    } else {
+        180.0
+    };
+    panorama_grid(&mut drawing, facing);
+    let charts: [&dyn Fn(Sky) -> [f64; 2]; 2] = [&dome, &|sky| panorama(sky, facing)];
+    for (number, project) in charts.into_iter().enumerate() {
+        let wraps = number == 1;
+        for hour in 0..24 {
+            plot(
+                &mut drawing,
+                &year.hour(hour),
+                project,
+                wraps,
+                1.1,
+                HOUR,
+                Some([5.0, 3.0]),
+            );
+        }
+        for month in 1..=12 {
+            if let Some(date) = NaiveDate::from_ymd_opt(year.number, month, 21)
+                && ![3, 6, 9, 12].contains(&month)
+            {
+                plot(
+                    &mut drawing,
+                    &year.path(date),
+                    project,
+                    wraps,
+                    0.9,
+                    PATH,
+                    None,
+                );
+            }
+        }
+        let [march, june, _, december] = year.turns;
+        plot(
+            &mut drawing,
+            &year.path(june),
+            project,
+            wraps,
+            3.0,
+            PATH,
+            None,
+        );
+        plot(
+            &mut drawing,
+            &year.path(march),
+            project,
+            wraps,
+            2.2,
+            PATH,
+            Some([14.0, 4.0]),
+        );
+        plot(
+            &mut drawing,
+            &year.path(december),
+            project,
+            wraps,
+            3.0,
+            PATH,
+            Some([7.0, 5.0]),
+        );
+        hour_labels(&mut drawing, &year, project);
+        date_labels(&mut drawing, &year, project);
+    }
+    legend(&mut drawing, &year);
+    Ok(drawing)
+}
+
+/// A year at a site.
+struct Year<'a> {
+    site: &'a Site,
+    air: Air,
+    almanac: Almanac,
+    number: i32,
+    /// Standard time minus universal time [s].
+    offset: i32,
+    delta_t: Option<f64>,
+    /// March equinox, June solstice, September equinox, December solstice.
+    turns: [NaiveDate; 4],
+}
+
+impl<'a> Year<'a> {
+    fn new(
+        site: &'a Site,
+        clock: &Zone,
+        number: i32,
+        tier: Tier,
+        delta_t: Option<f64>,
+    ) -> Result<Self> {
+        let date = |month, day| {
+            NaiveDate::from_ymd_opt(number, month, day).ok_or_else(|| {
+                Error::domain("the year", number, "-2000 to 6000", "choose another year")
+            })
+        };
+        let noon = |date: NaiveDate| date.and_hms_opt(12, 0, 0).unwrap_or_default().and_utc();
+        // Summer time is ahead of standard time, in both hemispheres.
+        let offset = clock
+            .offset_seconds(noon(date(1, 15)?))
+            .min(clock.offset_seconds(noon(date(7, 15)?)));
+        let instant = |utc: DateTime<Utc>| match delta_t {
+            Some(delta_t) => Instant::from_utc_with(utc, delta_t),
+            None => Instant::from_utc(utc),
+        };
+        let (start, end) = (
+            noon(date(1, 1)?) - TimeDelta::days(2),
+            noon(date(12, 31)?) + TimeDelta::days(2),
+        );
+        let mut year = Self {
+            site,
+            air: Air::standard(site),
+            almanac: Almanac::new(tier, &instant(start)?, &instant(end)?),
+            number,
+            offset,
+            delta_t,
+            turns: [date(3, 21)?, date(6, 21)?, date(9, 21)?, date(12, 21)?],
+        };
+        // The days on which the declination is nearest to zero, greatest, and least.
+        let turn = |around: NaiveDate, off: &dyn Fn(f64) -> f64| {
+            (-20..=20)
+                .map(|i| around + TimeDelta::days(i))
+                .min_by(|a, b| {
+                    off(year.at(noon(*a)).declination)
+                        .total_cmp(&off(year.at(noon(*b)).declination))
+                })
+                .unwrap_or(around)
+        };
+        let [march, june, september, december] = year.turns;
+        year.turns = [
+            turn(march, &f64::abs),
+            turn(june, &|d| -d),
+            turn(september, &f64::abs),
+            turn(december, &|d| d),
+        ];
+        Ok(year)
+    }
+
+    fn at(&self, utc: DateTime<Utc>) -> SunPosition {
+        let instant = match self.delta_t {
+            Some(delta_t) => Instant::from_utc_with(utc, delta_t),
+            None => Instant::from_utc(utc),
+        };
+        // The year was checked when it was made.
+        let instant = instant.unwrap_or_else(|_| unreachable!("a day of a valid year"));
+        self.almanac.sun_position(&instant, self.site, &self.air)
+    }
+
+    fn sky(&self, date: NaiveDate, seconds: i64) -> Sky {
+        let midnight = date.and_time(chrono::NaiveTime::MIN).and_utc();
+        let sun = self.at(midnight + TimeDelta::seconds(seconds - i64::from(self.offset)));
+        (sun.azimuth_deg(), sun.elevation_apparent_deg())
+    }
+
+    /// The path of a day, every four minutes.
+    fn path(&self, date: NaiveDate) -> Vec<Sky> {
+        (0..=360).map(|i| self.sky(date, 240 * i)).collect()
+    }
+
+    /// The place at an hour on every second day of the year.
+    fn hour(&self, hour: i64) -> Vec<Sky> {
+        let first = NaiveDate::from_ymd_opt(self.number, 1, 1).unwrap_or_default();
+        (0..=183)
+            .map(|i| self.sky(first + TimeDelta::days(2 * i), 3600 * hour))
+            .collect()
+    }
+}
+
+fn dome((azimuth, elevation): Sky) -> [f64; 2] {
+    let r = RADIUS * ((90.0 - elevation) * 0.5 * DEG).tan();
+    let (sin, cos) = (azimuth * DEG).sin_cos();
+    [DOME[0] + r * sin, DOME[1] - r * cos]
+}
+
+fn panorama((azimuth, elevation): Sky, facing: f64) -> [f64; 2] {
+    let [left, top, right, bottom] = PANORAMA;
+    let turn = (azimuth - facing + 540.0).rem_euclid(360.0) / 360.0;
+    [
+        left + (right - left) * turn,
+        bottom - (bottom - top) * elevation / 90.0,
+    ]
+}
+
+const WINDS: [&str; 8] = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
+
+fn dome_grid(drawing: &mut Drawing) {
+    for elevation in (10..90).step_by(10) {
+        let r = RADIUS * (f64::from(90 - elevation) * 0.5 * DEG).tan();
+        drawing.circle(DOME, r, 0.7, GRID);
+    }
+    for azimuth in (0..360).step_by(10) {
+        let major = azimuth % 30 == 0;
+        let inner = dome((f64::from(azimuth), if major { 80.0 } else { 10.0 }));
+        drawing.line(
+            vec![inner, dome((f64::from(azimuth), 0.0))],
+            0.7,
+            GRID,
+            None,
+        );
+    }
+    drawing.circle(DOME, RADIUS, 2.0, INK);
+    for azimuth in (0..360).step_by(15) {
+        let (sin, cos) = (f64::from(azimuth) * DEG).sin_cos();
+        let at = |r: f64| [DOME[0] + r * sin, DOME[1] - r * cos];
+        if azimuth % 45 == 0 {
+            let name = WINDS[azimuth as usize / 45];
+            drawing.text(
+                at(RADIUS + 24.0),
+                if azimuth % 90 == 0 { 24.0 } else { 17.0 },
+                Anchor::Middle,
+                INK,
+                name,
+            );
+        } else if azimuth % 30 == 0 {
+            drawing.text(
+                at(RADIUS + 22.0),
+                14.0,
+                Anchor::Middle,
+                INK,
+                format!("{azimuth}°"),
+            );
+        }
+    }
+    // Along an azimuth that few paths cross.
+    for elevation in (10..90).step_by(20) {
+        drawing.text(
+            dome((0.0, f64::from(elevation))),
+            12.0,
+            Anchor::Middle,
+            [90; 3],
+            format!("{elevation}°"),
+        );
+    }
+    drawing.text(
+        [DOME[0], DOME[1] + RADIUS + 58.0],
+        17.0,
+        Anchor::Middle,
+        INK,
+        "stereographic, seen from above",
+    );
+}
+
+fn panorama_grid(drawing: &mut Drawing, facing: f64) {
+    let [left, top, right, bottom] = PANORAMA;
+    for elevation in (0..=90).step_by(10) {
+        let y = panorama((0.0, f64::from(elevation)), facing)[1];
+        drawing.line(vec![[left, y], [right, y]], 0.7, GRID, None);
+        drawing.text(
+            [left - 10.0, y],
+            14.0,
+            Anchor::End,
+            INK,
+            format!("{elevation}°"),
+        );
+    }
+    for step in 0..=24 {
+        let azimuth = (facing - 180.0 + 15.0 * f64::from(step)).rem_euclid(360.0);
+        let x = left + (right - left) * f64::from(step) / 24.0;
+        drawing.line(vec![[x, top], [x, bottom]], 0.7, GRID, None);
+        let degrees = azimuth.round() as usize;
+        if degrees.is_multiple_of(45) {
+            drawing.text(
+                [x, bottom + 42.0],
+                20.0,
+                Anchor::Middle,
+                INK,
+                WINDS[degrees / 45 % 8],
+            );
+        }
+        if degrees.is_multiple_of(30) {
+            drawing.text(
+                [x, bottom + 19.0],
+                13.0,
+                Anchor::Middle,
+                INK,
+                format!("{degrees}°"),
+            );
+        }
+    }
+    drawing.line(
+        vec![
+            [left, top],
+            [right, top],
+            [right, bottom],
+            [left, bottom],
+            [left, top],
+        ],
+        2.0,
+        INK,
+        None,
+    );
+    drawing.text(
+        [0.5 * (left + right), bottom + 70.0],
+        17.0,
+        Anchor::Middle,
+        INK,
+        "azimuth and elevation",
+    );
+}
+
+/// Draws what is above the horizon, cut there, and at the panorama's edge.
+fn plot(
+    drawing: &mut Drawing,
+    points: &[Sky],
+    project: &dyn Fn(Sky) -> [f64; 2],
+    wraps: bool,
+    width: f64,
+    color: Color,
+    dash: Option<[f64; 2]>,
+) {
+    let mut line: Vec<[f64; 2]> = Vec::new();
+    for pair in points.windows(2) {
+        let (mut a, mut b) = (pair[0], pair[1]);
+        if a.1 < 0.0 && b.1 < 0.0 {
+            continue;
+        }
+        // The shorter way round.
+        b.0 = a.0 + (b.0 - a.0 + 540.0).rem_euclid(360.0) - 180.0;
+        let cut = |a: Sky, b: Sky| (a.0 + (b.0 - a.0) * a.1 / (a.1 - b.1), 0.0);
+        let (enters, leaves) = (a.1 < 0.0, b.1 < 0.0);
+        if enters {
+            a = cut(a, b);
+        } else if leaves {
+            b = cut(a, b);
+        }
+        let (p, q) = (project(a), project(b));
+        let torn = wraps && (p[0] - q[0]).abs() > 300.0;
+        if line.is_empty() || enters {
+            drawing.line(std::mem::take(&mut line), width, color, dash);
+            line.push(p);
+        }
+        if torn {
+            drawing.line(std::mem::take(&mut line), width, color, dash);
+        } else {
+            line.push(q);
+        }
+        if leaves {
+            drawing.line(std::mem::take(&mut line), width, color, dash);
+        }
+    }
+    drawing.line(line, width, color, dash);
+}
+
+/// Each hour's number, beyond the end of its line on the higher solstice, or on the other.
+fn hour_labels(drawing: &mut Drawing, year: &Year, project: &dyn Fn(Sky) -> [f64; 2]) {
+    let [_, june, _, december] = year.turns;
+    let (high, low) = if year.site.latitude_deg() < 0.0 {
+        (december, june)
+    } else {
+        (june, december)
+    };
+    for hour in 0..24 {
+        let seconds = 3600 * hour;
+        let near = |date: NaiveDate| {
+            let toward = if date == high { 12 } else { -12 };
+            (
+                year.sky(date, seconds),
+                year.sky(high - TimeDelta::days(toward * 3), seconds),
+            )
+        };
+        let (place, inward) = [near(high), near(low)]
+            .into_iter()
+            .find(|(p, _)| p.1 > 1.0)
+            .unwrap_or(((0.0, -1.0), (0.0, 0.0)));
+        if place.1 < 0.0 {
+            continue;
+        }
+        let (at, from) = (project(place), project(inward));
+        let length = (at[0] - from[0]).hypot(at[1] - from[1]).max(1e-6);
+        let offset = if length > 200.0 {
+            [0.0, -14.0]
+        } else {
+            [
+                14.0 * (at[0] - from[0]) / length,
+                14.0 * (at[1] - from[1]) / length,
+            ]
+        };
+        drawing.text(
+            [at[0] + offset[0], at[1] + offset[1]],
+            15.0,
+            Anchor::Middle,
+            HOUR,
+            hour.to_string(),
+        );
+    }
+}
+
+/// The dates of solstices and equinoxes, on their paths.
+fn date_labels(drawing: &mut Drawing, year: &Year, project: &dyn Fn(Sky) -> [f64; 2]) {
+    let [march, june, september, december] = year.turns;
+    let text = |date: NaiveDate| {
+        const MONTHS: [&str; 4] = ["Mar", "Jun", "Sep", "Dec"];
+        format!("{} {}", date.day(), MONTHS[date.month0() as usize / 3])
+    };
+    for (date, label) in [
+        (june, text(june)),
+        (march, format!("{}, {}", text(march), text(september))),
+        (december, text(december)),
+    ] {
+        // Half an hour before the highest, between two hour lines.
+        let highest = (0..288)
+            .max_by(|&a, &b| {
+                year.sky(date, 300 * a)
+                    .1
+                    .total_cmp(&year.sky(date, 300 * b).1)
+            })
+            .unwrap_or(144);
+        let place = year.sky(date, 300 * highest - 2100);
+        if place.1 < 2.0 {
+            continue;
+        }
+        drawing.text(project(place), 14.0, Anchor::Middle, PATH, label);
+    }
+}
+
+fn legend(drawing: &mut Drawing, year: &Year) {
+    let [march, june, september, december] = year.turns;
+    let mut x = 850.0;
+    let mut entry = |width: f64, color: Color, dash: Option<[f64; 2]>, text: String| {
+        drawing.line(vec![[x, 128.0], [x + 46.0, 128.0]], width, color, dash);
+        drawing.text([x + 54.0, 128.0], 14.0, Anchor::Start, INK, text.clone());
+        x += 76.0 + text_width(&text, 14.0);
+    };
+    entry(
+        3.0,
+        PATH,
+        None,
+        format!("solstice {}", june.format("%d/%m")),
+    );
+    entry(
+        2.2,
+        PATH,
+        Some([14.0, 4.0]),
+        format!(
+            "equinoxes {}, {}",
+            march.format("%d/%m"),
+            september.format("%d/%m")
+        ),
+    );
+    entry(
+        3.0,
+        PATH,
+        Some([7.0, 5.0]),
+        format!("solstice {}", december.format("%d/%m")),
+    );
+    entry(1.1, HOUR, Some([5.0, 3.0]), "hours".into());
+}

@@ -1,0 +1,3 @@
+//! What accuracy costs: measurements of this program by itself.
+
+pub mod ephemeris;
