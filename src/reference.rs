@@ -138,6 +138,16 @@ impl<'a> Reference<'a> {
             .collect()
     }
 
+    /// The layers of [`Field::LAYERS`] and the transmittance of pixels, each the mean of `samples` rays at the places of
+    /// [`sample_positions`], on all cores.
+    pub fn sampled(&self, pixels: &[UVec2], samples: u32) -> Vec<[DVec3; 8]> {
+        let offsets = sample_positions(samples);
+        pixels
+            .par_chunks(16)
+            .flat_map_iter(|chunk| self.means(chunk, &offsets))
+            .collect()
+    }
+
     /// Renders the whole picture.
     ///
     /// # Errors
