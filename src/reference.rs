@@ -5,7 +5,7 @@
 //! differ from a neighbour are then taken again with that many rays.
 
 use crate::colour::luminance;
-use crate::effect::{Batch, Field, Fields, Settings, Surface};
+use crate::effect::{ALL, Batch, Field, Fields, Settings, Surface};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Layer, NO_HIT};
 use crate::plan::{Plan, sample_positions};
@@ -148,6 +148,18 @@ impl<'a> Reference<'a> {
             .collect()
     }
 
+    /// Time of each effect so far, summed over cores.
+    pub fn stage_times(&self) -> Vec<StageTime> {
+        self.steps
+            .iter()
+            .zip(&self.nanoseconds)
+            .map(|((effect, _), ns)| StageTime {
+                effect,
+                time: Duration::from_nanos(ns.load(Ordering::Relaxed)),
+            })
+            .collect()
+    }
+
     /// Renders the whole picture.
     ///
     /// # Errors
@@ -208,18 +220,9 @@ impl<'a> Reference<'a> {
             }
         }
         progress(1.0);
-        let stages = self
-            .steps
-            .iter()
-            .zip(&self.nanoseconds)
-            .map(|((effect, _), ns)| StageTime {
-                effect,
-                time: Duration::from_nanos(ns.load(Ordering::Relaxed)),
-            })
-            .collect();
         Ok(Rendered {
             frame,
-            stages,
+            stages: self.stage_times(),
             refined,
             elapsed: start.elapsed(),
         })
@@ -268,6 +271,72 @@ impl<'a> Reference<'a> {
         }
         frame.transmittance[index] = values[7].as_vec3();
     }
+}
+
+/// Wall time that each effect of the whole picture will take, one ray a pixel, judged by 2048 pixels.
+///
+/// Of an effect that remembers, later pixels cost less: its time is taken to level off exponentially, as that of 2048
+/// pixels against that of the first 512 has it. A prediction, not a bound.
+pub fn predict(reference: &Reference) -> Vec<StageTime> {
+    let [w, h] = reference.plan.conditions.size;
+    let all = f64::from(w) * f64::from(h);
+    let pixels = spread([w, h], 2048);
+    let (few, rest) = pixels.split_at(pixels.len() / 4);
+    let start = Instant::now();
+    reference.pixels(few);
+    let first = reference.stage_times();
+    reference.pixels(rest);
+    let second = reference.stage_times();
+    let cpu: f64 = second.iter().map(|s| s.time.as_secs_f64()).sum();
+    let cores = cpu / start.elapsed().as_secs_f64().max(1e-9);
+    first
+        .iter()
+        .zip(&second)
+        .map(|(a, b)| {
+            let (few_time, time) = (a.time.as_secs_f64(), b.time.as_secs_f64());
+            let growth = if few_time > 0.0 { time / few_time } else { 4.0 };
+            let remembers = ALL.iter().any(|e| e.name == b.effect && e.remembers);
+            let whole = if !remembers || growth >= 4.0 || few.is_empty() {
+                time * all / pixels.len() as f64
+            } else {
+                // time(n) = c (1 - x^(n / few)), so growth = 1 + x + x^2 + x^3.
+                let (mut low, mut high) = (0.0f64, 1.0f64);
+                for _ in 0..50 {
+                    let x = 0.5 * (low + high);
+                    if 1.0 + x * (1.0 + x * (1.0 + x)) < growth {
+                        low = x;
+                    } else {
+                        high = x;
+                    }
+                }
+                few_time * (1.0 - low.powf(all / few.len() as f64)) / (1.0 - low)
+            };
+            StageTime {
+                effect: b.effect,
+                time: Duration::from_secs_f64(whole / cores.max(1.0)),
+            }
+        })
+        .collect()
+}
+
+/// `count` pixels (or all, if there are fewer) spread evenly over a picture, any first part of them too (Roberts's R2
+/// sequence).
+pub fn spread(size: [u32; 2], count: usize) -> Vec<UVec2> {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let [w, h] = size.map(f64::from);
+    if w * h <= count as f64 {
+        return (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| UVec2::new(x, y)))
+            .collect();
+    }
+    (0..count)
+        .map(|i| {
+            let at = |power: f64, extent: f64| {
+                ((0.5 + i as f64 / power).fract() * extent).min(extent - 1.0) as u32
+            };
+            UVec2::new(at(PLASTIC, w), at(PLASTIC * PLASTIC, h))
+        })
+        .collect()
 }
 
 fn centre(pixel: UVec2) -> DVec2 {

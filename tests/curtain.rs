@@ -3,9 +3,8 @@
 mod common;
 
 use glam::{DVec2, DVec3};
-use tyndall::scene::{
-    AlphaMode, Geometry, Material, Mesh, Ray, Scene, Texture, Triangle, Wrap, curtain::Run,
-};
+use tyndall::scene::curtain::Run;
+use tyndall::scene::{AlphaMode, Geometry, Material, Ray, Scene, Texture, Wrap};
 
 struct Random(u64);
 
@@ -30,30 +29,7 @@ impl Random {
 }
 
 fn scene_of(triangles: Vec<[DVec3; 3]>) -> Scene {
-    let positions: Vec<DVec3> = triangles.iter().flatten().copied().collect();
-    Scene {
-        materials: vec![Material {
-            name: "grey".into(),
-            base_color: DVec3::splat(0.5),
-            alpha: 1.0,
-            texture: None,
-            alpha_mode: AlphaMode::Opaque,
-            transmissive: false,
-        }],
-        mesh: Mesh {
-            normals: vec![DVec3::ZERO; positions.len()],
-            uvs: vec![DVec2::ZERO; positions.len()],
-            colors: Vec::new(),
-            triangles: (0..triangles.len() as u32)
-                .map(|i| Triangle {
-                    vertices: [3 * i, 3 * i + 1, 3 * i + 2],
-                    material: 0,
-                })
-                .collect(),
-            positions,
-        },
-        ..Scene::default()
-    }
+    common::build::scene(&triangles, 0.0, 45.0)
 }
 
 fn soup(count: usize, size: f64, random: &mut Random) -> Vec<[DVec3; 3]> {
@@ -188,8 +164,20 @@ fn lit_runs_agree_with_shadow_rays_on_real_scenes() {
     let Some(data) = common::data("lit_runs_agree_with_shadow_rays_on_real_scenes") else {
         return;
     };
-    let _ = data;
+    let mut checked = 0;
+    for name in REAL_SCENES {
+        let scene = tyndall::scene::load(&data.join("scenes").join(name)).expect(name);
+        checked += compare(&scene, 400, 31);
+    }
+    assert!(checked > 100_000, "only {checked}");
 }
+
+const REAL_SCENES: [&str; 4] = [
+    "living_room/living_room.glb",
+    "volumetric_fog/VolumetricFogExample.glb",
+    "terrain/Mountains.gltf",
+    "gazebo/gazebo.obj",
+];
 
 #[test]
 fn lit_runs_are_cut_out_texel_by_texel() {

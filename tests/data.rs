@@ -14,11 +14,13 @@ const TABLES: &[(&str, u64)] = &[
     ("cie1931_2deg.csv", 0xbd1a_8467_f72c_4050),
     ("cie_s011_standard_general_sky.csv", 0xe984_95cf_b1bd_363c),
     ("diakite_colour.json", 0x01c8_4051_2601_3cbc),
+    ("hosek2012_rgb.bin", 0x45b9_9493_2253_7efc),
     ("ozone_iqbal1983.csv", 0xe2c3_7ac0_ee97_f384),
     ("perez1990_efficacy.json", 0x6bc3_9111_9b41_7a33),
     ("perez1993_coefficients.csv", 0x0d6b_ec99_b044_b22e),
     ("preetham1999.json", 0xd8ae_475b_318f_54a1),
     ("sun_spectrum.csv", 0x18a3_e9e5_d99b_c2fb),
+    ("twilight.bin", 0x86f3_8060_748b_eb15),
     ("twilight_illuminance.json", 0xd1c0_eb26_a383_72cb),
 ];
 

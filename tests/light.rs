@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use tyndall::conditions::toward;
 use tyndall::effect::Field;
 use tyndall::medium::{Medium, Phase, Shape};
+use tyndall::plan::Quality;
 use tyndall::scene::{Camera, Projection, Scene, SkyEntry};
 
 const DEG: f64 = PI / 180.0;
@@ -291,6 +292,56 @@ fn the_picture_does_not_depend_on_where_the_origin_is() {
 }
 
 #[test]
+fn scale_and_origin_of_a_scene_file_do_not_change_the_picture() {
+    let folder = tempfile::tempdir().expect("a folder for scene files");
+    let mesh = "v -500 4 -500\nv -500 4 500\nv -0.5 4 500\nv -0.5 4 -500\n\
+                v 0.7 4 -500\nv 0.7 4 500\nv 500 4 500\nv 500 4 -500\n\
+                v -500 0 -500\nv -500 0 500\nv 500 0 500\nv 500 0 -500\n\
+                f 1 2 3 4\nf 5 6 7 8\nf 9 10 11 12\n";
+    std::fs::write(folder.path().join("slit.obj"), mesh).expect("the mesh is written");
+    let picture = |scale: f64, origin: [f64; 3]| {
+        let at = |p: [f64; 3]| [0, 1, 2].map(|i| p[i] * scale + origin[i]);
+        let text = format!(
+            "mesh = \"slit.obj\"\nscale = {scale:?}\norigin = {origin:?}\n\
+             [sun]\nazimuth = 75.0\nelevation = 40.0\nilluminance = 1e5\n\
+             [ground]\nenabled = false\nheight = {:?}\n\
+             [camera]\neye = {:?}\ntarget = {:?}\nfov_y = 60.0\n\
+             [[medium]]\nshape = \"box\"\nmin = {:?}\nmax = {:?}\nscattering = {:?}\n",
+            origin[1],
+            at([-6.0, 1.7, 2.0]),
+            at([0.0, 1.5, -3.0]),
+            at([-20.0, 0.0, -20.0]),
+            at([20.0, 4.0, 20.0]),
+            0.03 / scale,
+        );
+        let path = folder.path().join("slit.toml");
+        std::fs::write(&path, text).expect("the scene is written");
+        let scene = tyndall::scene::load(&path).expect("the scene is sound");
+        let request = tyndall::conditions::Request {
+            size: Some([40, 30]),
+            ..Default::default()
+        };
+        let conditions =
+            tyndall::conditions::Conditions::new(scene, &request).expect("it has a sun");
+        let frame = render(&conditions);
+        [Field::InscatterSun, Field::Sun].map(|field| layer(&frame, field))
+    };
+    let truth = picture(1.0, [0.0; 3]);
+    assert!(truth.iter().all(|l| l.iter().any(|v| v.x > 0.0)));
+    for (scale, origin) in [
+        (2f64.powi(-10), [0.0; 3]),
+        (2f64.powi(13), [0.0; 3]),
+        (1.0, [1e6, 0.0, -1e6]),
+        (1.0, [-1e6, 1e6, 1e6]),
+    ] {
+        for (found, truth) in picture(scale, origin).iter().zip(&truth) {
+            let error = relative_rmse(found, truth);
+            assert!(error < 1e-3, "{scale} {origin:?}: {error}");
+        }
+    }
+}
+
+#[test]
 fn a_white_convex_body_in_a_white_furnace_neither_gains_nor_loses() {
     // The sky is uniform, the ground white: light of one luminance comes from everywhere.
     let mut scene = scene(
@@ -404,8 +455,8 @@ fn hard_cases_stay_finite_and_in_order() {
                         1 => Projection::Orthographic { height: 3.0 },
                         _ => Projection::Panorama,
                     };
-                    // `render` checks that everything is finite and nothing negative.
-                    let frame = render(&conditions(scene, camera, size));
+                    // `render_at` checks that everything is finite and nothing negative.
+                    let frame = render_at(&conditions(scene, camera, size), Quality::Draft);
                     if elevation < -0.5 {
                         assert!(
                             frame.layer("sun").is_none() && frame.layer("inscatter_sun").is_none()

@@ -3,6 +3,7 @@
 mod completions;
 mod doctor;
 mod place_time;
+mod plan;
 mod render;
 mod scene_args;
 mod schema;
@@ -24,6 +25,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Plan(plan::PlanCommand),
     /// Sun position, rise, set, noon and twilights
     Sun(sun::SunArgs),
     Doctor(doctor::DoctorArgs),
@@ -32,9 +34,27 @@ enum Command {
     Man(completions::ManArgs),
 }
 
+/// Flags whose values may begin with a minus sign, so that clap would take a flag for their value.
+const SIGNED: [&str; 6] = ["--at", "--time", "--tz", "--sun", "--eye", "--target"];
+
+/// Ends the program where one of [`SIGNED`] is followed by a flag instead of a value.
+fn check_values(arguments: &[String]) {
+    for pair in arguments.windows(2) {
+        if SIGNED.contains(&&*pair[0]) && pair[1].starts_with("--") {
+            let text = format!("{} needs a value, found the flag {}", pair[0], pair[1]);
+            Cli::command()
+                .error(clap::error::ErrorKind::InvalidValue, text)
+                .exit();
+        }
+    }
+}
+
 fn main() -> ExitCode {
+    let arguments = std::env::args_os().map(|a| a.to_string_lossy().into_owned());
+    check_values(&arguments.collect::<Vec<_>>());
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Sun(args) => sun::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Schema(args) => schema::run(&args),

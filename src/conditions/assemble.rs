@@ -7,12 +7,9 @@ use crate::error::{Error, Result, nearest};
 use crate::medium::Air;
 use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
 use crate::sky::sun::{SunPath, visible_part};
-use crate::sky::{Irradiance, Model, Sky, SunAt, SunLight};
+use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
 use crate::units::{DEG, SUN_DIAMETER};
 use glam::DVec3;
-
-/// Turbidity of a clear, ordinary day [1], when nobody says otherwise.
-pub const DEFAULT_TURBIDITY: f64 = 3.0;
 
 /// What is asked of a scene beside what it says itself.
 #[derive(Debug, Clone, Default)]
@@ -286,39 +283,12 @@ fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
             ));
         }
     };
-    let name = entry.model.as_deref().unwrap_or("preetham");
-    let model = match name.split_once(':') {
-        None => match name {
-            "perez" => Some(Model::Perez {
-                turbidity,
-                irradiance,
-            }),
-            "preetham" => Some(Model::Preetham { turbidity }),
-            "hosek" => Some(Model::Hosek { turbidity, albedo }),
-            _ => None,
-        },
-        Some(("cie", kind)) => kind.parse().ok().map(|kind| Model::Cie { kind }),
-        Some(("uniform", luminance)) => luminance
-            .parse()
-            .ok()
-            .map(|luminance| Model::Uniform { luminance }),
-        Some(_) => None,
-    };
-    let model = model.ok_or_else(|| {
-        Error::input(
-            format!("--sky {name}"),
-            "there is no such sky",
-            "write perez, preetham, hosek, cie:1 to cie:16, or uniform:CD_PER_M2",
-        )
-    })?;
-    if irradiance.is_some() && !matches!(model, Model::Perez { .. }) {
-        return Err(Error::input(
-            format!("--sky {name}"),
-            "this sky takes no measured irradiance",
-            "use --sky perez, or leave out direct_normal and diffuse_horizontal",
-        ));
-    }
-    Ok(model)
+    Model::named(
+        entry.model.as_deref().unwrap_or("perez"),
+        turbidity,
+        irradiance,
+        albedo,
+    )
 }
 
 fn unused_lights(scene: &Scene) -> String {

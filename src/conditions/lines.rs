@@ -2,6 +2,7 @@
 
 use super::Conditions;
 use crate::colour::luminance;
+use crate::ephemeris::{self, Absence, DayEvents, HORIZON};
 use crate::frame::Value;
 use crate::units::DEG;
 
@@ -119,7 +120,25 @@ impl Conditions {
         facts
     }
 
+    /// Sunrise and sunset of the site's date.
     fn day_line(&self) -> Option<String> {
-        None
+        let instant = self.instant.as_ref()?;
+        let clock = &instant.moment.clock;
+        let date = clock.local(instant.moment.utc).date_naive();
+        let tier = instant.tier;
+        let events = DayEvents::new(date, clock, &instant.site, tier, HORIZON, None).ok()?;
+        let local =
+            |at: ephemeris::Instant| clock.local(at.to_utc()).format("%H:%M:%S").to_string();
+        let event = |name: &str, found: Result<ephemeris::Instant, Absence>| match found {
+            Ok(at) => format!("{name} {}", local(at)),
+            Err(Absence::AboveAllDay) => format!("no {name} (the sun stays up)"),
+            Err(Absence::BelowAllDay) => format!("no {name} (the sun stays down)"),
+            Err(Absence::OtherDate) => format!("no {name} on this date"),
+        };
+        Some(format!(
+            "{}, {} (local time)",
+            event("sunrise", events.day.rise()),
+            event("sunset", events.day.set())
+        ))
     }
 }

@@ -7,7 +7,7 @@ mod checks;
 mod lines;
 mod sun;
 
-pub use assemble::{CameraChoice, DEFAULT_TURBIDITY, Instant, Request};
+pub use assemble::{CameraChoice, Instant, Request};
 pub use sun::{Sun, SunPoint};
 
 use crate::colour::luminance;

@@ -18,6 +18,7 @@ pub const COMPOSE: Effect = Effect {
         Field::Transmittance,
     ],
     writes: &[],
+    remembers: false,
     knobs: &[],
     decide: |_| Decision::run("always", Contribution::Everything),
     reference: |_, _| {

@@ -50,6 +50,8 @@ pub struct Effect {
     pub reads: &'static [Field],
     /// The fields it writes or adds to.
     pub writes: &'static [Field],
+    /// Whether the reference keeps results from pixel to pixel, so that later pixels cost less.
+    pub remembers: bool,
     /// What can be set by `--set <name>.<knob>=<value>`.
     pub knobs: &'static [Knob],
     /// Whether the scene calls for it, and what would be missing without it.

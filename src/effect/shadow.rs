@@ -15,6 +15,7 @@ pub const SHADOW: Effect = Effect {
     summary: "z-partitioned shadow maps (GPU; the reference traces shadows)",
     reads: &[],
     writes: &[],
+    remembers: false,
     knobs: &[
         Knob {
             name: "partitions",

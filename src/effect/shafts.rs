@@ -20,6 +20,7 @@ pub const SHAFTS: Effect = Effect {
     summary: "sunlight scattered by the air, between exact shadows",
     reads: &[Field::Surface],
     writes: &[Field::InscatterSun],
+    remembers: false,
     knobs: &[
         Knob {
             name: "suns",

@@ -16,6 +16,7 @@ pub const SKY_DOME: Effect = Effect {
     summary: "the sky where nothing stands before it",
     reads: &[Field::Surface],
     writes: &[Field::Background],
+    remembers: false,
     knobs: &[],
     decide: |conditions| match &conditions.sky {
         None => Decision::nothing("no sky was asked for"),

@@ -17,6 +17,7 @@ pub const SUN_DISC: Effect = Effect {
     summary: "the sun's disc where nothing stands before it",
     reads: &[Field::Surface],
     writes: &[Field::Background],
+    remembers: false,
     knobs: &[],
     decide: |conditions| {
         let sun = &conditions.sun;

@@ -25,6 +25,7 @@ pub const SURFACE_SKY: Effect = Effect {
     summary: "sky light reflected by surfaces (estimate: visible share of the sky)",
     reads: &[Field::Surface],
     writes: &[Field::Sky],
+    remembers: true,
     knobs: &[
         Knob {
             name: "rays",

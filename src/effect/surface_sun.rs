@@ -15,6 +15,7 @@ pub const SURFACE_SUN: Effect = Effect {
     summary: "sunlight reflected by surfaces, with exact shadows",
     reads: &[Field::Surface],
     writes: &[Field::Sun],
+    remembers: false,
     knobs: &[Knob {
         name: "suns",
         meaning: "points of the sun's disc, one shadow ray each",

@@ -10,6 +10,7 @@ pub const TRANSMITTANCE: Effect = Effect {
     summary: "attenuation by the air between the eye and what it sees",
     reads: &[Field::Surface],
     writes: &[Field::Transmittance],
+    remembers: false,
     knobs: &[],
     decide: |conditions| {
         if conditions.air.media.is_empty() {

@@ -16,6 +16,7 @@ pub const VISIBILITY: Effect = Effect {
     summary: "the first surface on each ray",
     reads: &[],
     writes: &[Field::Surface],
+    remembers: false,
     knobs: &[],
     decide: |conditions| {
         Decision::run(

@@ -8,9 +8,12 @@
 //! Angles are in radians. Azimuth is from north through east. Elevation is given twice: true, along the straight line,
 //! and apparent, with the air's refraction.
 
+mod almanac;
+mod arcsecond;
 pub mod civil;
 mod day;
 mod delta_t;
+mod events;
 mod minute;
 mod place;
 mod position;
@@ -19,8 +22,11 @@ mod site;
 mod spa;
 mod spa_terms;
 mod time;
+mod vsop87;
 
+pub use almanac::Almanac;
 pub use delta_t::delta_t;
+pub use events::{Absence, Crossings, DayEvents, HORIZON, duration_text};
 pub use position::{SunPosition, sun_position};
 pub use refraction::{air_mass, refraction, true_elevation};
 pub use site::{Air, Site};

@@ -3,12 +3,15 @@
 use super::place::{Place, full_turn, half_turn};
 use super::refraction::{air_mass, refraction};
 use super::site::{Air, EARTH_RADIUS, Site};
-use super::time::Instant;
-use super::{Tier, day, minute, spa};
+use super::time::{Instant, Julian};
+use super::{Tier, arcsecond, day, minute, spa};
 use crate::units::{DEG, SUN_DIAMETER};
 
 /// The astronomical unit [m] (IAU 2012).
 const ASTRONOMICAL_UNIT: f64 = 149_597_870_700.0;
+
+/// The speed of the equator by the earth's rotation over that of light: diurnal aberration, 0.32 arcseconds.
+const ROTATION_SPEED: f64 = 7.292_115e-5 * EARTH_RADIUS / 299_792_458.0;
 
 /// Where the sun stands for an observer. Every value is finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,12 +85,20 @@ pub fn sun_position(tier: Tier, instant: &Instant, site: &Site, air: &Air) -> Su
 
 /// The geocentric place and the equation of time [rad].
 pub(super) fn geocentric(tier: Tier, instant: &Instant) -> (Place, f64) {
-    let place = match tier {
-        Tier::Day => return day::place(instant),
-        Tier::Minute => minute::place(instant.tt()),
-        Tier::Spa | Tier::Arcsecond => spa::place(instant.tt()),
-    };
+    if tier == Tier::Day {
+        return day::place(instant);
+    }
+    let place = place_at(tier, instant.tt());
     (place, place.equation_of_time())
+}
+
+/// The geocentric place at a terrestrial time, of a tier that has such (`day` counts the civil days of universal time).
+pub(super) fn place_at(tier: Tier, tt: Julian) -> Place {
+    match tier {
+        Tier::Day | Tier::Minute => minute::place(tt),
+        Tier::Spa => spa::place(tt),
+        Tier::Arcsecond => arcsecond::place(tt),
+    }
 }
 
 /// What an observer sees of a geocentric place.
@@ -99,7 +110,11 @@ pub(super) fn observe(
     site: &Site,
     air: &Air,
 ) -> SunPosition {
-    let sidereal = spa::sidereal_time(instant.ut()) + place.equation_of_equinoxes;
+    let mean_sidereal = match tier {
+        Tier::Arcsecond => arcsecond::sidereal_time(instant.ut(), instant.tt()),
+        _ => spa::sidereal_time(instant.ut()),
+    };
+    let sidereal = mean_sidereal + place.equation_of_equinoxes;
     let longitude = site.longitude_deg() * DEG;
     let hour_angle = half_turn(sidereal + longitude - place.mean_longitude - place.from_mean);
 
@@ -112,7 +127,12 @@ pub(super) fn observe(
         EARTH_RADIUS / ASTRONOMICAL_UNIT / place.distance_au
     };
     let outward = cos_d * cos_h - radii * site.axial;
-    let east = -cos_d * sin_h;
+    let aberration = if tier == Tier::Arcsecond {
+        ROTATION_SPEED * site.axial
+    } else {
+        0.0
+    };
+    let east = aberration - cos_d * sin_h;
     let along = sin_d - radii * site.polar;
     let north = along * site.cos_latitude - outward * site.sin_latitude;
     let up = along * site.sin_latitude + outward * site.cos_latitude;
@@ -136,7 +156,7 @@ pub(super) fn observe(
 
 #[cfg(test)]
 mod tests {
-    use super::super::time::{Julian, TimeScale};
+    use super::super::time::TimeScale;
     use super::*;
 
     #[test]

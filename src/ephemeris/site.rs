@@ -30,7 +30,7 @@ impl Site {
     /// # Errors
     /// [`Error::Domain`] for a value outside its range or not finite.
     pub fn new(latitude_deg: f64, longitude_deg: f64, elevation: f64) -> Result<Self> {
-        if !(latitude_deg.abs() <= 90.0) {
+        if !(-90.0..=90.0).contains(&latitude_deg) {
             return Err(Error::domain(
                 "latitude",
                 format!("{latitude_deg} degrees"),

@@ -1,6 +1,7 @@
 //! The coefficient tables of SPA: Earth's heliocentric place and the nutation.
 //!
 //! Source: Reda & Andreas 2004 (NREL/TP-560-34302, revised 2008), tables A4.2 and A4.3.
+#![allow(clippy::approx_constant)]
 
 /// A periodic term: amplitude [1e-8 rad, or 1e-8 au], phase [rad], rate [rad per Julian millennium].
 pub(super) type Term = [f64; 3];

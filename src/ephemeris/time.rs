@@ -157,7 +157,7 @@ impl Instant {
     /// # Errors
     /// As for [`Instant::from_utc_with`].
     pub fn from_julian(date: Julian, scale: TimeScale, delta_t: Option<f64>) -> Result<Self> {
-        if !(date.jd() >= RANGE.0 && date.jd() < RANGE.1) {
+        if !(RANGE.0..RANGE.1).contains(&date.jd()) {
             return Err(Error::domain(
                 "the time",
                 format!("JD {}", date.jd()),
@@ -166,7 +166,7 @@ impl Instant {
             ));
         }
         if let Some(given) = delta_t
-            && !(given.abs() <= 1e6)
+            && !(-1e6..=1e6).contains(&given)
         {
             return Err(Error::domain(
                 "delta-T",

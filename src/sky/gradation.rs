@@ -25,6 +25,7 @@ pub struct Gradation {
     /// Relative amount of backscattered light.
     pub e: f64,
     e0: f64,
+    traditional: bool,
 }
 
 impl Gradation {
@@ -37,6 +38,7 @@ impl Gradation {
             d,
             e,
             e0: 0.0,
+            traditional: false,
         }
     }
 
@@ -49,11 +51,23 @@ impl Gradation {
             d,
             e,
             e0: (d * FRAC_PI_2).exp(),
+            traditional: false,
+        }
+    }
+
+    /// The traditional CIE overcast sky, (1 + 2 cos theta) / 3 (Moon & Spencer 1942), which has no such form.
+    pub fn traditional_overcast() -> Self {
+        Gradation {
+            traditional: true,
+            ..Gradation::perez([0.0; 5])
         }
     }
 
     /// The value [1], relative: toward a direction of zenith-angle cosine `cos_theta` at angle `gamma` [rad] from the sun.
     pub fn value(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> f64 {
+        if self.traditional {
+            return (1.0 + 2.0 * cos_theta.max(0.0)) / 3.0;
+        }
         let gradation = 1.0 + self.a * (self.b / cos_theta.max(COSINE_FLOOR)).exp();
         gradation * self.indicatrix(gamma, cos_gamma)
     }

@@ -1,4 +1,4 @@
-//! Integrals over the sky dome, exact enough to be called so (relative error 1e-6 for every model here).
+//! Integrals over the sky dome: relative error 1e-4 for every model by day, 1e-3 in deep twilight, whose arch is a sliver.
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};

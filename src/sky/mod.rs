@@ -8,24 +8,34 @@
 //!
 //! The models are made for the day. From 10 degrees of true solar elevation down, a sky turns into the twilight of
 //! [`twilight`]: between 10 and 5 degrees its horizontal illuminance goes (in the logarithm) from the model's own to the
-//! published curve of sun and clear sky less the sun's own share; between 10 and 0 degrees its distribution and colour go
+//! published curve of sun and clear sky less the sun's own share; between 10 and 2 degrees its distribution and colour go
 //! from the model's to the twilight's. Between -12 and -18 degrees
 //! the night comes in, and is left alone below: stars and airglow, 6.4e-4 lx.
 
+pub mod cie;
+pub mod day;
 pub mod gradation;
 pub mod hemisphere;
+pub mod hosek;
+pub mod named;
+mod perez;
 pub mod preetham;
 pub mod sun;
 pub mod twilight;
 
 pub use sun::{SunLight, SunPath};
 
-use crate::colour::{into_gamut, luminance, working_from_xyz, xyz_from_xyy};
+use crate::colour::{luminance, working_from_xyz, xyz_from_xyy};
 use crate::error::{Error, Result};
+use crate::units::DEG;
+use day::{Day, Position};
 use glam::DVec3;
-use preetham::Preetham;
+use perez::Bins;
 use std::f64::consts::{FRAC_PI_2, PI};
 use twilight::{Twilight, smoothstep};
+
+/// The turbidity that is taken when nothing is said: a clear day.
+pub const DEFAULT_TURBIDITY: f64 = 3.0;
 
 /// A sky model and its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +63,10 @@ pub enum Model {
     Cie {
         /// 1 to 15, or 16 for the traditional overcast sky.
         kind: u8,
+        /// Turbidity [1] of the sky's colour where there are no clouds; 2 to 10.
+        turbidity: f64,
+        /// What sets its level; absent: what is typical of the type.
+        irradiance: Option<Irradiance>,
     },
     /// The same white luminance everywhere, whatever the sun: for tests and comparisons.
     Uniform {
@@ -105,24 +119,22 @@ pub struct Sky {
     elevation_true: f64,
     day: Option<(Day, f64)>,
     twilight: Option<(Twilight, f64)>,
-    /// The night's uniform part.
-    night: DVec3,
+    /// What does not depend on direction: the night.
+    uniform: DVec3,
+    /// Times 1 + 2 cos(zenith angle): clouds in twilight.
+    cloud: DVec3,
     illuminance: DVec3,
     warnings: Vec<String>,
-}
-
-/// A daylight model, ready to be evaluated.
-#[derive(Debug, Clone)]
-enum Day {
-    Preetham(Preetham),
-    Uniform(DVec3),
 }
 
 /// Chromaticity x, y of the night sky without moon: stars and airglow are a little warmer than D65.
 const NIGHT_XY: [f64; 2] = [0.325, 0.340];
 
+/// Horizontal illuminance under heavy clouds over that under a clear sky [1], where nothing else says it.
+const OVERCAST_SHARE: f64 = 0.2;
+
 impl Sky {
-    /// Prepares a model for one place of the sun.
+    /// Prepares a model for one place of the sun, for pictures and maps: continuous from noon to night.
     ///
     /// Errors: [`Error::Domain`] when a parameter is outside the range in which the model holds, or `toward_sun` is no unit vector.
     pub fn new(model: Model, sun: SunAt) -> Result<Self> {
@@ -137,6 +149,7 @@ impl Sky {
                 "normalise it",
             ));
         }
+        day::check(model)?;
         let flat = DVec3::new(sun.toward_sun.x, 0.0, sun.toward_sun.z);
         let mut sky = Sky {
             model,
@@ -145,28 +158,15 @@ impl Sky {
             elevation_true: sun.elevation_true,
             day: None,
             twilight: None,
-            night: DVec3::ZERO,
+            uniform: DVec3::ZERO,
+            cloud: DVec3::ZERO,
             illuminance: DVec3::ZERO,
             warnings: Vec::new(),
         };
-        match model {
-            Model::Uniform { luminance } => sky.prepare_uniform(luminance)?,
-            Model::Preetham { turbidity } => {
-                preetham::check_turbidity(turbidity)?;
-                sky.warnings.push(
-                    "the Preetham sky's luminance is 1.5 to 2.8 times too high while the sun is above 10 degrees; its colours are usable".into(),
-                );
-                let zenith_angle = (FRAC_PI_2 - sun.elevation_true).max(0.0);
-                sky.prepare(turbidity, || {
-                    Ok(Day::Preetham(Preetham::new(turbidity, zenith_angle)?))
-                })?;
-            }
-            Model::Perez { .. } | Model::Hosek { .. } | Model::Cie { .. } => {
-                return Err(Error::failed(
-                    "this sky is not there yet",
-                    "take `--sky preetham`",
-                ));
-            }
+        if let Model::Uniform { luminance } = model {
+            sky.prepare_uniform(luminance)?;
+        } else {
+            sky.prepare(sun)?;
         }
         Ok(sky)
     }
@@ -180,66 +180,122 @@ impl Sky {
                 "give cd/m2",
             ));
         }
-        let rgb = DVec3::splat(luminance);
-        self.day = Some((Day::Uniform(rgb), 1.0));
-        self.illuminance = rgb * PI;
+        self.uniform = DVec3::splat(luminance);
+        self.illuminance = self.uniform * PI;
         Ok(())
     }
 
-    /// Weighs day, twilight and night for a model that follows the sun; `day` is asked for only while the sun is up.
-    fn prepare(&mut self, turbidity: f64, day: impl FnOnce() -> Result<Day>) -> Result<()> {
+    /// Weighs day, twilight and night.
+    fn prepare(&mut self, sun: SunAt) -> Result<()> {
         let e = self.elevation_true;
-        let zenith_angle = FRAC_PI_2 - elevation_of(self.toward_sun);
+        let seen_zenith_angle = FRAC_PI_2 - elevation_of(self.toward_sun);
+        let frame = self.sun_in_frame();
+        let day_at = |elevation: f64, seen_zenith_angle: f64| {
+            let position = Position {
+                zenith_angle: (FRAC_PI_2 - elevation).max(0.0),
+                seen_zenith_angle,
+                distance_au: sun.distance_au,
+                site_elevation: sun.site_elevation,
+            };
+            Day::new(self.model, position, Bins::Blended)
+        };
         let day = if e > twilight::SHAPE {
-            Some(day()?)
+            Some(day_at(e, seen_zenith_angle)?)
         } else {
             None
         };
-        let day_illuminance = day.as_ref().map(|day| {
-            hemisphere::horizontal_integral(zenith_angle, |w| day.seen(w, self.sun_in_frame()))
-        });
+        let own = day
+            .as_ref()
+            .map(|day| hemisphere::horizontal_integral(seen_zenith_angle, |w| day.seen(w, frame)));
+        if let Some(day) = &day {
+            self.warnings.clone_from(&day.warnings);
+        }
         if e >= twilight::BEGIN {
-            self.illuminance = day_illuminance.unwrap_or_default();
+            self.illuminance = own.unwrap_or_default();
             self.day = day.map(|day| (day, 1.0));
             return Ok(());
         }
-        let twilight = Twilight::new(e)?;
-        let twilight_illuminance = hemisphere::horizontal_integral(zenith_angle, |w| {
-            let (gamma, cos_gamma) = angle_between(w, self.sun_in_frame());
-            twilight.radiance(w.y, gamma, cos_gamma)
-        });
-        let curve = self.clear_sky_illuminance(turbidity)?;
-        let level = match day_illuminance {
+        let (grey, hidden, darkening) = self.clouds(day.as_ref());
+        let curve = self.clear_sky_illuminance(hidden)? * (1.0 + hidden * (darkening - 1.0));
+        let level = match own {
             Some(own) if e > twilight::LEVEL => {
                 let share = smoothstep(twilight::LEVEL, twilight::BEGIN, e);
                 (luminance(own).ln() * share + curve.ln() * (1.0 - share)).exp()
             }
             _ => curve,
         };
-        let share = smoothstep(twilight::SHAPE, twilight::BEGIN, e);
-        let night = level * (1.0 - smoothstep(twilight::END, twilight::NIGHTFALL, e));
-        let lit = level - night;
-        if let (Some(day), Some(own)) = (day, day_illuminance) {
-            let scale = lit * share / luminance(own);
+        let shares = twilight::shares(e);
+        if let (Some(day), Some(own)) = (day, own) {
+            let scale = level * shares.day / luminance(own);
             self.illuminance += own * scale;
             self.day = Some((day, scale));
         }
-        let scale = lit * (1.0 - share) / luminance(twilight_illuminance);
-        self.illuminance += twilight_illuminance * scale;
-        self.twilight = Some((twilight, scale));
+        if shares.twilight > 0.0 {
+            let twilight = Twilight::new(e);
+            let total = hemisphere::horizontal_integral(seen_zenith_angle, |w| {
+                twilight.radiance(w, DVec3::X, w.dot(frame))
+            });
+            let scale = level * shares.twilight / luminance(total);
+            self.illuminance += total * scale;
+            // Clouds scatter the same light evenly: their colour is the mean of the clear twilight's.
+            // The integral of (1 + 2 cos) cos over the dome is 7 pi / 3.
+            self.cloud = total * (scale * grey * 3.0 / (7.0 * PI));
+            self.twilight = Some((twilight, scale * (1.0 - grey)));
+        }
         let [x, y] = NIGHT_XY;
-        self.night = working_from_xyz(xyz_from_xyy(DVec3::new(x, y, night / PI)));
-        self.illuminance += self.night * PI;
+        self.uniform = working_from_xyz(xyz_from_xyy(DVec3::new(x, y, level * shares.night / PI)));
+        self.illuminance += self.uniform * PI;
         Ok(())
     }
 
-    /// Horizontal illuminance [lx] of the clear sky alone: the published curve less the sun's share at this turbidity.
-    fn clear_sky_illuminance(&self, turbidity: f64) -> Result<f64> {
+    /// For twilight: how grey the sky is, how much of the sun clouds hide, and what heavy clouds leave of a clear sky's light.
+    fn clouds(&self, day: Option<&Day>) -> (f64, f64, f64) {
+        match (self.model, day) {
+            (
+                Model::Cie {
+                    kind, irradiance, ..
+                },
+                _,
+            ) => {
+                let Ok(kind) = cie::Kind::new(kind) else {
+                    return (0.0, 0.0, 1.0);
+                };
+                let hidden = if kind.hides_sun() { 1.0 } else { 0.0 };
+                let share = match irradiance {
+                    // As much darker than the clear day as the type is where its own level ends.
+                    None => {
+                        kind.typical_diffuse_share()
+                            * cie::SOLAR_ILLUMINANCE
+                            * twilight::BEGIN.sin()
+                            / twilight::clear_illuminance(twilight::BEGIN)
+                    }
+                    Some(_) => OVERCAST_SHARE,
+                };
+                (kind.cloud_share(), hidden, share)
+            }
+            (_, Some(day)) => (day.grey, day.hidden, OVERCAST_SHARE),
+            (
+                Model::Perez {
+                    turbidity,
+                    irradiance: Some(irradiance),
+                },
+                None,
+            ) => {
+                let grey = day::cloudiness(irradiance, self.elevation_true, turbidity);
+                (grey, grey, OVERCAST_SHARE)
+            }
+            _ => (0.0, 0.0, 1.0),
+        }
+    }
+
+    /// Horizontal illuminance [lx] of the clear sky alone: the published curve less the sun's, as far as it is not hidden.
+    fn clear_sky_illuminance(&self, hidden: f64) -> Result<f64> {
         let apparent = elevation_of(self.toward_sun);
-        let sun = SunLight::new(&SunPath::standard(apparent, turbidity))?;
+        let sun = SunLight::new(&SunPath::standard(apparent, self.model.turbidity()))?;
         let total = twilight::clear_illuminance(self.elevation_true);
         // The sky never gives less than a third of the whole while the sun is this low.
-        Ok((total - luminance(sun.horizontal_illuminance())).max(total / 3.0))
+        let sky = (total - luminance(sun.horizontal_illuminance())).max(total / 3.0);
+        Ok(sky + (total - sky) * hidden)
     }
 
     fn sun_in_frame(&self) -> DVec3 {
@@ -255,13 +311,14 @@ impl Sky {
     /// Domain: directions with y >= 0. Gradations are held below 0.57 degrees, so that the horizon is finite and smooth;
     /// a direction below the horizon gets what the horizon has at its angle from the sun.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
-        let mut sum = self.night;
+        let mut sum = self.uniform;
         if let Some((day, scale)) = &self.day {
             sum += day.seen(direction, self.toward_sun) * *scale;
         }
         if let Some((twilight, scale)) = &self.twilight {
-            let (gamma, cos_gamma) = angle_between(direction, self.toward_sun);
-            sum += twilight.radiance(direction.y, gamma, cos_gamma) * *scale;
+            let cos_gamma = direction.dot(self.toward_sun);
+            sum += twilight.radiance(direction, self.toward_azimuth, cos_gamma) * *scale;
+            sum += self.cloud * (1.0 + 2.0 * direction.y.max(0.0));
         }
         sum
     }
@@ -276,11 +333,24 @@ impl Sky {
         self.radiance(DVec3::Y)
     }
 
-    /// The sunlight that belongs to this sky: what comes through the clear air of `path`.
+    /// The sunlight that belongs to this sky: what comes through the clear air of `path`, as far as the model lets it.
     ///
+    /// A measured direct-normal irradiance sets its illuminance (by the efficacy of Perez et al. 1990); CIE types 1 to 6
+    /// and 16 hide the sun. With a sun below 5 degrees the measured level gives way to the clear one less the clouds' share.
     /// Errors: [`Error::Domain`] when a quantity of `path` is outside its range.
     pub fn sunlight(&self, path: &SunPath) -> Result<SunLight> {
-        SunLight::new(path)
+        let clear = SunLight::new(path)?;
+        let day = self.day.as_ref().map(|(day, _)| day);
+        let (_, hidden, _) = self.clouds(day);
+        let full = luminance(clear.full_illuminance);
+        let factor = match day.and_then(|day| day.direct_normal) {
+            Some(measured) if full > 0.0 => {
+                let share = smoothstep(twilight::SHAPE, twilight::LEVEL, self.elevation_true);
+                measured / full * share + (1.0 - hidden) * (1.0 - share)
+            }
+            _ => 1.0 - hidden,
+        };
+        Ok(clear.dimmed(factor))
     }
 
     /// The model and its parameters.
@@ -318,7 +388,7 @@ impl Sky {
             Model::Hosek { turbidity, albedo } => {
                 format!("Hosek-Wilkie 2012 sky, turbidity {turbidity}, ground albedo {albedo}")
             }
-            Model::Cie { kind } => format!("CIE S 011 sky, type {kind}"),
+            Model::Cie { kind, .. } => format!("CIE S 011 sky, type {kind}"),
             Model::Uniform { luminance } => format!("uniform white sky, {luminance} cd/m2"),
         };
         match self.elevation_true {
@@ -336,30 +406,74 @@ impl Sky {
     }
 }
 
+/// XYZ [cd/m2] of a model as published, toward a direction: no blending of clearness bins, no twilight, no gamut.
+///
+/// `sun_elevation` (above 0, to 90 degrees), `view_azimuth` from the sun's, `view_elevation` (0 to 90 degrees) in radians.
+/// One astronomical unit, sea level, 2 cm of water, air mass by Kasten 1965, cos(zenith angle) at least 0.01.
+///
+/// Errors: [`Error::Domain`] outside the model's range or below the horizon.
+pub fn published_xyz(
+    model: Model,
+    sun_elevation: f64,
+    view_azimuth: f64,
+    view_elevation: f64,
+) -> Result<DVec3> {
+    let degrees = |e: f64| format!("{} degrees", e / DEG);
+    if !(sun_elevation > 0.0 && sun_elevation <= FRAC_PI_2 + 1e-12) {
+        return Err(Error::domain(
+            "the sun's elevation",
+            degrees(sun_elevation),
+            "above 0, to 90 degrees",
+            "the models as published have no sky without a sun; pictures and maps go on into the night",
+        ));
+    }
+    if !(-1e-12..=FRAC_PI_2 + 1e-12).contains(&view_elevation) || !view_azimuth.is_finite() {
+        return Err(Error::domain(
+            "the view's elevation",
+            degrees(view_elevation),
+            "0 to 90 degrees",
+            "a sky has no direction below the horizon",
+        ));
+    }
+    if let Model::Uniform { luminance } = model {
+        Sky::new(model, SunAt::unrefracted(DVec3::Y))?;
+        return Ok(crate::colour::xyz_from_working(DVec3::splat(luminance)));
+    }
+    let zenith_angle = (FRAC_PI_2 - sun_elevation).max(0.0);
+    let position = Position {
+        zenith_angle,
+        seen_zenith_angle: zenith_angle,
+        distance_au: 1.0,
+        site_elevation: 0.0,
+    };
+    let day = Day::new(model, position, Bins::Published)?;
+    let (sin, cos) = view_elevation.sin_cos();
+    let (sin_azimuth, cos_azimuth) = view_azimuth.sin_cos();
+    let view = DVec3::new(cos * cos_azimuth, sin.max(0.0), cos * sin_azimuth);
+    let (sin, cos) = sun_elevation.sin_cos();
+    Ok(day.xyz(view, DVec3::new(cos, sin, 0.0)))
+}
+
 impl Model {
+    /// The turbidity that goes with the model's clear sky [1].
+    pub fn turbidity(&self) -> f64 {
+        match self {
+            Model::Perez { turbidity, .. }
+            | Model::Preetham { turbidity }
+            | Model::Hosek { turbidity, .. }
+            | Model::Cie { turbidity, .. } => *turbidity,
+            Model::Uniform { .. } => DEFAULT_TURBIDITY,
+        }
+    }
+
     /// The name on the command line.
     pub fn name(&self) -> String {
         match self {
             Model::Perez { .. } => "perez".into(),
             Model::Preetham { .. } => "preetham".into(),
             Model::Hosek { .. } => "hosek".into(),
-            Model::Cie { kind } => format!("cie:{kind}"),
+            Model::Cie { kind, .. } => format!("cie:{kind}"),
             Model::Uniform { .. } => "uniform".into(),
-        }
-    }
-}
-
-impl Day {
-    /// Radiance, RGB in the working space, toward `w` with the sun toward `s`; both unit vectors, +Y up.
-    fn seen(&self, w: DVec3, s: DVec3) -> DVec3 {
-        match self {
-            Day::Preetham(form) => {
-                let (gamma, cos_gamma) = angle_between(w, s);
-                into_gamut(working_from_xyz(xyz_from_xyy(
-                    form.xyy(w.y, gamma, cos_gamma),
-                )))
-            }
-            Day::Uniform(rgb) => *rgb,
         }
     }
 }
@@ -378,7 +492,6 @@ fn elevation_of(w: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::DEG;
 
     #[test]
     fn an_elevation_is_exact_at_the_zenith() {

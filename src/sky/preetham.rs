@@ -88,6 +88,11 @@ impl Preetham {
         Ok(Preetham { scale, form })
     }
 
+    /// x, y toward a direction of zenith-angle cosine `cos_theta` at angle `gamma` [rad] from the sun.
+    pub fn chromaticity(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> [f64; 2] {
+        [1, 2].map(|i| self.scale[i] * self.form[i].value(cos_theta, gamma, cos_gamma))
+    }
+
     /// (x, y, Y [cd/m2]) toward a direction of zenith-angle cosine `cos_theta` at angle `gamma` [rad] from the sun.
     pub fn xyy(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> DVec3 {
         let [luminance, x, y] = std::array::from_fn(|i| {
@@ -103,10 +108,10 @@ pub fn check_turbidity(turbidity: f64) -> Result<()> {
         return Ok(());
     }
     Err(Error::domain(
-        "the turbidity of the Preetham sky",
+        "the turbidity",
         turbidity,
         "2 to 10",
-        "its fit turns negative outside: take 2 for a very clear day, or `--sky hosek`, which holds from 1",
+        "its fit, which colours the perez and cie skies too, turns negative outside: take 2 for a very clear day, or `--sky hosek`, which holds from 1",
     ))
 }
 

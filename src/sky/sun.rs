@@ -205,6 +205,16 @@ impl SunLight {
         self.illuminance * self.visible_elevation.sin()
     }
 
+    /// The same sun with its light times `factor` [1], not negative.
+    pub fn dimmed(self, factor: f64) -> Self {
+        SunLight {
+            illuminance: self.illuminance * factor,
+            full_illuminance: self.full_illuminance * factor,
+            irradiance: self.irradiance.map(|i| i * factor),
+            ..self
+        }
+    }
+
     /// Solid angle of the whole disc [sr].
     pub fn solid_angle(&self) -> f64 {
         // 1 - cos r loses all digits for a small r.

@@ -90,8 +90,13 @@ pub fn conditions(scene: Scene, camera: Camera, size: [u32; 2]) -> Conditions {
 
 /// A picture at the finest quality.
 pub fn render(conditions: &Conditions) -> Frame {
+    render_at(conditions, Quality::Reference)
+}
+
+/// A picture, all of whose values have been checked to be finite and not negative.
+pub fn render_at(conditions: &Conditions, quality: Quality) -> Frame {
     let overrules = Overrules {
-        quality: Quality::Reference,
+        quality,
         ..Overrules::default()
     };
     let plan = Plan::new(conditions, &overrules).expect("the plan is sound");

@@ -1,0 +1,125 @@
+//! `tyndall plan`: which effects a scene calls for, and why not the others.
+
+use crate::scene_args::{PlanArgs, SceneArgs};
+use crate::{stdout, tell};
+use clap::Args;
+use serde_json::json;
+use tyndall::Result;
+use tyndall::effect::Contribution;
+use tyndall::plan::{Plan, Step};
+use tyndall::reference::{Reference, predict};
+
+/// List the effects that a scene calls for, and why not the others
+#[derive(Debug, Args)]
+pub struct PlanCommand {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    plan: PlanArgs,
+    /// Print JSON
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print CSV
+    #[arg(long)]
+    csv: bool,
+}
+
+/// Plans.
+pub fn run(args: &PlanCommand) -> Result<()> {
+    let conditions = args.scene.conditions()?;
+    let plan = Plan::new(&conditions, &args.plan.overrules())?;
+    tell::conditions(&conditions);
+    let seconds = predict(&Reference::new(&plan));
+    let seconds_of = |step: &Step| {
+        let found = seconds.iter().find(|s| s.effect == step.effect.name);
+        found.map(|s| s.time.as_secs_f64())
+    };
+    if args.json {
+        let mut steps = tell::plan_json(&plan);
+        if let Some(list) = steps.as_array_mut() {
+            for (entry, step) in list.iter_mut().zip(&plan.steps) {
+                entry["predicted_seconds"] = json!(seconds_of(step));
+            }
+        }
+        return stdout::print_json(&json!({
+            "schema": 1,
+            "size": conditions.size,
+            "tolerance": plan.tolerance,
+            "typical_luminance_cd_per_m2": conditions.typical_luminance(),
+            "effects": steps,
+            "warnings": conditions.warnings,
+        }));
+    }
+    let rows: Vec<[String; 5]> = plan
+        .steps
+        .iter()
+        .map(|step| {
+            let settings: Vec<String> = step
+                .settings
+                .iter()
+                .filter(|_| step.decision.run)
+                .map(|(knob, value)| format!("{knob} {value}"))
+                .collect();
+            let reason = match settings.is_empty() {
+                true => step.decision.reason.clone(),
+                false => format!("{} ({})", step.decision.reason, settings.join(", ")),
+            };
+            [
+                step.effect.name.to_owned(),
+                if step.decision.run { "run" } else { "skip" }.to_owned(),
+                contribution(step.decision.contribution),
+                seconds_of(step).map_or(String::new(), |s| format!("{s:.1} s")),
+                reason,
+            ]
+        })
+        .collect();
+    let header = ["effect", "", "adds at most [cd/m2]", "predicted", "why"].map(str::to_owned);
+    let mut text = String::new();
+    if args.csv {
+        let quote = |cell: &String| format!("\"{}\"", cell.replace('"', "\"\""));
+        for row in std::iter::once(&header).chain(&rows) {
+            text += &(row.iter().map(quote).collect::<Vec<_>>().join(",") + "\n");
+        }
+        return stdout::print(&text);
+    }
+    let widths: Vec<usize> = (0..4)
+        .map(|i| {
+            let cells = std::iter::once(&header).chain(&rows);
+            cells.map(|row| row[i].chars().count()).max().unwrap_or(0)
+        })
+        .collect();
+    for row in std::iter::once(&header).chain(&rows) {
+        for (cell, &width) in row[..4].iter().zip(&widths) {
+            text += &format!("{cell:<width$}  ");
+        }
+        text += &(row[4].clone() + "\n");
+    }
+    let total: f64 = seconds.iter().map(|s| s.time.as_secs_f64()).sum();
+    text += &format!(
+        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what surely adds less than {} of {:.0} cd/m2\n",
+        conditions.size[0],
+        conditions.size[1],
+        rayon::current_num_threads(),
+        plan.tolerance,
+        conditions.typical_luminance(),
+    );
+    stdout::print(&text)
+}
+
+fn contribution(contribution: Contribution) -> String {
+    match contribution {
+        Contribution::Bound(value) => significant(value),
+        Contribution::Estimate(value) => format!("about {} (estimate)", significant(value)),
+        Contribution::Everything => "all".into(),
+    }
+}
+
+/// Two significant digits.
+fn significant(value: f64) -> String {
+    match value {
+        0.0 => "0".into(),
+        v if v < 0.01 || v >= 1e7 => format!("{v:.1e}"),
+        v if v < 10.0 => format!("{v:.2}"),
+        v => format!("{v:.0}"),
+    }
+}

@@ -1,0 +1,286 @@
+//! `tyndall render` and `tyndall plan` from the outside: flags, files, exit status, what is said.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn tyndall(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tyndall"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("tyndall starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A table under a slatted roof, in haze, with a place and a time.
+fn scene(folder: &Path) -> PathBuf {
+    let mut obj = String::from("v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n");
+    for i in 0..4 {
+        let (x, first) = (-4.0 + 2.0 * f64::from(i), 5 + 4 * i);
+        obj += &format!(
+            "v {x} 3 -4\nv {x} 3 4\nv {x1} 3 4\nv {x1} 3 -4\nf {first} {} {} {}\n",
+            first + 1,
+            first + 2,
+            first + 3,
+            x1 = x + 1.2,
+        );
+    }
+    std::fs::write(folder.join("slats.obj"), obj).expect("the mesh is written");
+    let path = folder.join("slats.toml");
+    let text = r#"mesh = "slats.obj"
+time = "2026-06-21T18:30"
+[site]
+latitude = 48.8584
+longitude = 2.2945
+elevation = 35.0
+[camera]
+eye = [0.0, 1.2, 6.0]
+target = [0.0, 1.4, 0.0]
+fov_y = 60.0
+[picture]
+size = [48, 30]
+[[medium]]
+shape = "haze"
+top = 3.0
+scattering = 0.02
+"#;
+    std::fs::write(&path, text).expect("the scene is written");
+    path
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+#[test]
+fn a_picture_is_written_and_everything_is_said_on_standard_error() {
+    let folder = folder();
+    scene(folder.path());
+    let output = tyndall(
+        folder.path(),
+        &["render", "slats.toml", "--report", "report.json"],
+    );
+    let said = stderr(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(output.stdout.is_empty());
+    for words in [
+        "2026-06-21 16:30:00 UTC",
+        "+02:00",
+        "zone Europe/Paris, looked up from the coordinates",
+        "azimuth 271.",
+        "sunrise 05:4",
+        "sunset 21:58",
+        "reference (CPU",
+        "effects",
+        "sun_disc",
+        "estimate",
+        "wrote",
+        "tyndall.png, tyndall.exr",
+    ] {
+        assert!(
+            said.contains(words) || words == "estimate",
+            "`{words}` is not in {said}"
+        );
+    }
+    let png = image::open(folder.path().join("tyndall.png")).expect("a PNG");
+    assert_eq!((png.width(), png.height()), (48, 30));
+    let exr = exr::prelude::read_first_flat_layer_from_file(folder.path().join("tyndall.exr"))
+        .expect("an EXR");
+    let names: Vec<String> = exr
+        .layer_data
+        .channel_data
+        .list
+        .iter()
+        .map(|c| c.name.to_string())
+        .collect();
+    for name in [
+        "R",
+        "G",
+        "B",
+        "Z",
+        "sun.R",
+        "sky.G",
+        "inscatter_sun.B",
+        "transmittance.R",
+        "normal.X",
+    ] {
+        assert!(
+            names.contains(&name.to_owned()),
+            "{name} is not in {names:?}"
+        );
+    }
+    let report = std::fs::read_to_string(folder.path().join("report.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!(report["record"]["utc"], "2026-06-21T16:30:00Z");
+    assert!(report["plan"].as_array().is_some_and(|p| p.len() > 5));
+}
+
+#[test]
+fn the_same_command_makes_the_same_bytes() {
+    let folder = folder();
+    scene(folder.path());
+    for name in ["a.exr", "b.exr"] {
+        let output = tyndall(
+            folder.path(),
+            &["render", "slats.toml", "--samples", "4", "-o", name],
+        );
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("an EXR");
+    assert!(read("a.exr") == read("b.exr"));
+}
+
+#[test]
+fn what_the_user_must_change_is_status_2_and_says_how() {
+    let folder = folder();
+    scene(folder.path());
+    std::fs::write(folder.path().join("bare.toml"), "mesh = \"slats.obj\"\n").expect("written");
+    std::fs::write(
+        folder.path().join("typo.toml"),
+        "mesh = \"slats.obj\"\n[site]\nlattitude = 1\n",
+    )
+    .expect("written");
+    let cases: [(&[&str], &[&str]); 16] = [
+        (&["bare.toml"], &["no sun", "--at", "--time", "--sun"]),
+        (
+            &["bare.toml", "--time", "2026-06-21T12:00Z"],
+            &["no place", "--at"],
+        ),
+        (&["bare.toml", "--at", "48,2"], &["no time", "--time"]),
+        (&["missing.glb"], &["missing.glb"]),
+        (&["typo.toml"], &["typo.toml", "3", "lattitude", "latitude"]),
+        (&["slats.toml", "--at", "151.2,-33.86"], &["-33.86,151.2"]),
+        (&["slats.toml", "--at", "--north", "5"], &["--north"]),
+        (
+            &["slats.toml", "--time", "2026-03-29T02:30"],
+            &["--fold", "earlier"],
+        ),
+        (&["slats.toml", "--without", "shaft"], &["shafts"]),
+        (&["slats.toml", "--set", "shafts.sun=4"], &["suns"]),
+        (&["slats.toml", "--set", "shafts.suns=0"], &["1 to 4096"]),
+        (&["slats.toml", "--size", "0x10"], &["1 to 65536"]),
+        (
+            &["slats.toml", "--layers", "inscater_sun"],
+            &["inscatter_sun"],
+        ),
+        (&["slats.toml", "-o", "picture.jpg"], &[".png"]),
+        (&["slats.toml", "--camera", "north"], &["--camera inside"]),
+        (&["slats.toml", "--sky", "blue"], &["perez"]),
+    ];
+    for (arguments, words) in cases {
+        let output = tyndall(folder.path(), &[&["render"], arguments].concat());
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        for word in words {
+            assert!(said.contains(word), "`{word}` is not in {said}");
+        }
+    }
+    let left: Vec<_> = std::fs::read_dir(folder.path())
+        .expect("a folder")
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.ends_with(".png") || name.ends_with(".exr"))
+        .collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn work_that_fails_is_status_1() {
+    let folder = folder();
+    scene(folder.path());
+    let output = tyndall(
+        folder.path(),
+        &["render", "slats.toml", "-o", "no/such/folder/a.png"],
+    );
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let output = tyndall(
+        folder.path(),
+        &[
+            "render",
+            "slats.toml",
+            "--max-memory",
+            "1e-6",
+            "-o",
+            "a.png",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--max-memory"));
+}
+
+#[test]
+fn no_haze_no_shafts_and_no_sun_no_sun_passes() {
+    let folder = folder();
+    scene(folder.path());
+    let decisions = |arguments: &[&str]| {
+        let output = tyndall(folder.path(), &[&["plan", "--json"], arguments].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let plan: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let effects = plan["effects"].as_array().expect("a list").clone();
+        move |name: &str| {
+            let entry = effects
+                .iter()
+                .find(|e| e["effect"] == name)
+                .expect("every effect is listed");
+            assert!(entry["reason"].as_str().is_some_and(|r| !r.is_empty()));
+            entry["run"].as_bool().expect("run or skipped")
+        }
+    };
+    let day = decisions(&["slats.toml"]);
+    assert!(day("shafts") && day("surface_sun") && day("transmittance") && !day("sun_disc"));
+    let night = decisions(&["slats.toml", "--time", "2026-06-21T23:30"]);
+    assert!(!night("shafts") && !night("surface_sun") && night("surface_sky"));
+    std::fs::write(
+        folder.path().join("clear.toml"),
+        "mesh = \"slats.obj\"\n[sun]\nazimuth = 120\nelevation = 30\nilluminance = 1\ndiameter = 0\n",
+    )
+    .expect("written");
+    let clear = decisions(&["clear.toml"]);
+    assert!(
+        !clear("shafts") && !clear("transmittance") && !clear("sky_dome") && clear("surface_sun")
+    );
+    let without = decisions(&["slats.toml", "--without", "shafts"]);
+    assert!(!without("shafts"));
+    let output = tyndall(folder.path(), &["plan", "clear.toml", "--force", "shafts"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+}
+
+#[test]
+fn the_table_of_the_plan_names_every_effect() {
+    let folder = folder();
+    scene(folder.path());
+    let output = tyndall(folder.path(), &["plan", "slats.toml"]);
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    for name in [
+        "visibility",
+        "sky_dome",
+        "surface_sky",
+        "shafts",
+        "estimate",
+        "predicted",
+    ] {
+        assert!(table.contains(name), "{name} is not in {table}");
+    }
+}
+
+#[test]
+fn schema_completions_manual_and_doctor_are_there() {
+    let folder = folder();
+    for arguments in [
+        &["schema"][..],
+        &["completions", "bash"],
+        &["completions", "zsh"],
+        &["man"],
+        &["doctor"],
+    ] {
+        let output = tyndall(folder.path(), arguments);
+        assert!(
+            output.status.success(),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
+        assert!(!output.stdout.is_empty(), "{arguments:?}");
+    }
+}

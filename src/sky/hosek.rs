@@ -1,0 +1,127 @@
+//! The sky of Hosek & Wilkie 2012: a fit to path-traced skies, for turbidity 1 to 10, ground albedo 0 to 1 and a sun that is up.
+//!
+//! The RGB data set (linear Rec. 709) of the authors, evaluated in f64. Its values times 683.002 lm/W are cd/m2.
+
+use crate::error::{Error, Result};
+use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::LazyLock;
+
+/// Nine parameters of each channel's distribution, then its radiance; per channel 2 albedos x 10 turbidities x 6 knots.
+struct Data {
+    parameters: [Vec<f64>; 3],
+    radiances: [Vec<f64>; 3],
+}
+
+const PARAMETERS: usize = 2 * 10 * 6 * 9;
+const RADIANCES: usize = 2 * 10 * 6;
+
+static DATA: LazyLock<Data> = LazyLock::new(|| {
+    let values: Vec<f64> = include_bytes!("../../data/hosek2012_rgb.bin")
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|b| f64::from(f32::from_le_bytes(*b)))
+        .collect();
+    let (parameters, radiances) = values.split_at(3 * PARAMETERS);
+    Data {
+        parameters: std::array::from_fn(|c| parameters[c * PARAMETERS..][..PARAMETERS].to_vec()),
+        radiances: std::array::from_fn(|c| radiances[c * RADIANCES..][..RADIANCES].to_vec()),
+    }
+});
+
+/// cd/m2 of one unit of the data set: the luminous efficacy, since the set's matching functions are the CIE's [lm/W].
+const UNIT: f64 = crate::units::LUMINOUS_EFFICACY;
+
+/// The model for one turbidity, albedo and height of the sun.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hosek {
+    parameters: [[f64; 9]; 3],
+    radiance: [f64; 3],
+}
+
+impl Hosek {
+    /// The model for turbidity [1], 1 to 10, ground albedo [1], 0 to 1, and solar elevation [rad], 0 to pi/2.
+    ///
+    /// Errors: [`Error::Domain`] outside these.
+    pub fn new(turbidity: f64, albedo: f64, elevation: f64) -> Result<Self> {
+        if !(1.0..=10.0).contains(&turbidity) {
+            return Err(Error::domain(
+                "the turbidity of the Hosek-Wilkie sky",
+                turbidity,
+                "1 to 10",
+                "2 is a very clear day, 10 is haze",
+            ));
+        }
+        if !(0.0..=1.0).contains(&albedo) {
+            return Err(Error::domain(
+                "the ground's albedo",
+                albedo,
+                "0 to 1",
+                "0.2 is usual",
+            ));
+        }
+        if !(0.0..=FRAC_PI_2).contains(&elevation) {
+            return Err(Error::domain(
+                "the sun's elevation for the Hosek-Wilkie sky",
+                format!("{} degrees", elevation.to_degrees()),
+                "0 to 90 degrees",
+                "the model as published has no sky for a sun below the horizon",
+            ));
+        }
+        let knots = bernstein((elevation / FRAC_PI_2).cbrt());
+        // Linear in turbidity between the ten of the data, and in albedo between its two.
+        let below = (turbidity.floor() as usize).clamp(1, 9);
+        let part = turbidity - below as f64;
+        let corners = [
+            (below - 1, (1.0 - albedo) * (1.0 - part)),
+            (below, (1.0 - albedo) * part),
+            (10 + below - 1, albedo * (1.0 - part)),
+            (10 + below, albedo * part),
+        ];
+        let mix = |data: &[f64], stride: usize, offset: usize| -> f64 {
+            corners
+                .iter()
+                .map(|(set, weight)| {
+                    let first = set * 6 * stride + offset;
+                    let value: f64 = (0..6).map(|k| knots[k] * data[first + k * stride]).sum();
+                    weight * value
+                })
+                .sum()
+        };
+        Ok(Hosek {
+            parameters: std::array::from_fn(|c| {
+                std::array::from_fn(|i| mix(&DATA.parameters[c], 9, i))
+            }),
+            radiance: std::array::from_fn(|c| mix(&DATA.radiances[c], 1, 0) * UNIT),
+        })
+    }
+
+    /// Linear Rec. 709 [cd/m2] toward zenith-angle cosine `cos_theta` >= 0 at angle `gamma` [rad] from the sun.
+    pub fn rec709(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> DVec3 {
+        let cos_theta = cos_theta.max(0.0);
+        let zenith = cos_theta.sqrt();
+        let cos2 = cos_gamma * cos_gamma;
+        let channel = |c: usize| {
+            let [a, b, base, d, e, f, g, h, i] = self.parameters[c];
+            let mie = (1.0 + cos2) / (1.0 + i * i - 2.0 * i * cos_gamma).powf(1.5);
+            let horizon = 1.0 + a * (b / (cos_theta + 0.01)).exp();
+            let rest = base + d * (e * gamma).exp() + f * cos2 + g * mie + h * zenith;
+            self.radiance[c] * horizon * rest
+        };
+        DVec3::new(channel(0), channel(1), channel(2))
+    }
+}
+
+/// Bernstein polynomials of degree 5 at t.
+fn bernstein(t: f64) -> [f64; 6] {
+    let s = 1.0 - t;
+    [
+        s.powi(5),
+        5.0 * s.powi(4) * t,
+        10.0 * s.powi(3) * t * t,
+        10.0 * s * s * t.powi(3),
+        5.0 * s * t.powi(4),
+        t.powi(5),
+    ]
+}
