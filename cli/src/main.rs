@@ -1,5 +1,6 @@
 //! The command line of tyndall.
 
+mod backend;
 mod completions;
 mod doctor;
 mod place_time;
