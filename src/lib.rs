@@ -1,4 +1,5 @@
 //! tyndall: an outdoor sky and light-shaft simulator.
+pub mod accuracy;
 pub mod colour;
 pub mod conditions;
 pub mod effect;

@@ -493,7 +493,7 @@ impl Scattering {
             if !seen.any() {
                 continue;
             }
-            let uneven = (0..3).any(|i| seen.test(i) && !((last[i] - first[i]).abs() <= 1.0));
+            let uneven = (0..3).any(|i| seen.test(i) && (last[i] - first[i]).abs() > 1.0);
             let steep = densities(from)
                 .zip(densities(to))
                 .any(|(p, q)| p.max(q) > std::f64::consts::E * p.min(q));

@@ -9,7 +9,7 @@ use crate::colour::luminance;
 use crate::effect::{ALL, Batch, Effect, Field, Fields, Settings, Surface};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Layer, NO_HIT};
-use crate::plan::Plan;
+use crate::plan::{Plan, sample_positions};
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -162,6 +162,19 @@ impl<'a> Reference<'a> {
             .collect()
     }
 
+    /// The layers of [`Field::LAYERS`] and the transmittance of pixels, each the mean of `samples` rays at the places of
+    /// [`sample_positions`], on all cores.
+    pub fn sampled(&self, pixels: &[UVec2], samples: u32) -> Vec<[DVec3; 8]> {
+        let offsets = sample_positions(samples);
+        pixels
+            .par_chunks(16)
+            .flat_map_iter(|chunk| {
+                let whole: Vec<_> = chunk.iter().map(|p| (*p, Extent::All)).collect();
+                self.means(&whole, &offsets)
+            })
+            .collect()
+    }
+
     /// Time of each effect so far, summed over cores.
     pub fn stage_times(&self) -> Vec<StageTime> {
         self.steps
@@ -219,7 +232,7 @@ impl<'a> Reference<'a> {
         if samples > 1 {
             let edges = edges(&frame);
             refined = edges.len();
-            let offsets = offsets(samples);
+            let offsets = sample_positions(samples);
             for (part, chunk) in edges.chunks(4096).enumerate() {
                 let means: Vec<[DVec3; 8]> = chunk
                     .par_chunks(16)
@@ -357,17 +370,6 @@ pub fn spread(size: [u32; 2], count: usize) -> Vec<UVec2> {
 
 fn centre(pixel: UVec2) -> DVec2 {
     pixel.as_dvec2() + 0.5
-}
-
-/// Positions in a pixel: a rank-1 lattice by the golden ratio, the same in every pixel and every picture.
-fn offsets(samples: u32) -> Vec<DVec2> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    (0..samples)
-        .map(|i| {
-            let x = (f64::from(i) + 0.5) / f64::from(samples);
-            DVec2::new(x, (f64::from(i) * GOLDEN + 0.5).fract())
-        })
-        .collect()
 }
 
 /// The layers of light that the air itself sends.

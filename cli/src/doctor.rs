@@ -2,6 +2,7 @@
 
 use crate::stdout;
 use std::fmt::Write;
+use tyndall::ephemeris::civil::tz_database;
 use tyndall::gpu::adapters::{self, Adapter, Report};
 
 /// List graphics adapters, what each can do, and what to install
@@ -20,7 +21,9 @@ pub fn run(args: &DoctorArgs) -> tyndall::Result<()> {
         return stdout::print_json(&serde_json::json!({
             "version": env!("CARGO_PKG_VERSION"),
             "cores": cores,
-            "renders_with": "reference",
+            "auto": adapters::automatic(&report).map_or("reference", |adapter| &adapter.name),
+            "why": why(&report),
+            "time_zones": tz_database(),
             "adapters": report.adapters,
             "hidden": report.hidden,
             "advice": report.advice,
@@ -29,11 +32,26 @@ pub fn run(args: &DoctorArgs) -> tyndall::Result<()> {
     stdout::print(&table(&report, cores))
 }
 
+/// What `--backend auto` takes, and why.
+fn why(report: &Report) -> String {
+    match (adapters::automatic(report), report.adapters.first()) {
+        (Some(adapter), _) => format!("takes {}: {}", adapter.name, adapter.kind.words()),
+        (None, Some(software)) => format!(
+            "takes the CPU reference: there is only a software adapter ({}), which `--backend gpu` takes",
+            software.name
+        ),
+        (None, None) => "takes the CPU reference: there is no graphics adapter".into(),
+    }
+}
+
 fn table(report: &Report, cores: usize) -> String {
     let version = env!("CARGO_PKG_VERSION");
     let mut text = format!(
-        "tyndall {version}\nrenders with  the CPU reference, {cores} cores (no effect runs on a GPU yet)\n\n"
+        "tyndall {version}\nbackend auto  {}\ntime zones    {}\n\n",
+        why(report),
+        tz_database()
     );
+    let _ = writeln!(text, "processor     {cores} cores\n");
     if report.adapters.is_empty() {
         text.push_str("graphics adapters  none\n");
     } else {
@@ -138,8 +156,8 @@ mod tests {
         };
         let text = table(&report, 2);
         for words in [
-            "Some card",
-            "hardware, discrete",
+            "backend auto  takes Some card: hardware, discrete",
+            "time zones    IANA",
             "any size, of which a shader sees 128 MiB",
         ] {
             assert!(text.contains(words), "{text}");
@@ -149,7 +167,12 @@ mod tests {
         report.hidden.push(adapter);
         report.advice.push("install something".into());
         let text = table(&report, 2);
-        for words in ["adapters  none", "not usable", "install something"] {
+        for words in [
+            "adapters  none",
+            "takes the CPU reference",
+            "not usable",
+            "install something",
+        ] {
             assert!(text.contains(words), "{text}");
         }
     }

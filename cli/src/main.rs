@@ -1,6 +1,7 @@
 //! The command line of tyndall.
 
 mod accuracy;
+mod backend;
 mod completions;
 mod doctor;
 mod draw;

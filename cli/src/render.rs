@@ -1,5 +1,6 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
+use crate::backend::{self, Backend, BackendFlag, Done};
 use crate::scene_args::{PlanArgs, SceneArgs};
 use crate::{stdout, tell};
 use clap::Args;
@@ -8,12 +9,13 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use tyndall::Result;
+use tyndall::accuracy::{self, Check};
 use tyndall::colour::{Space, display, exposure, luminance};
 use tyndall::conditions::Conditions;
+use tyndall::error::Error;
 use tyndall::frame::Frame;
 use tyndall::output::{self, Format, OutputSpace};
-use tyndall::plan::Plan;
-use tyndall::reference::{Reference, Rendered};
+use tyndall::plan::{Overrules, Plan, Quality};
 
 /// Make a picture for a place, a date and a time
 #[derive(Debug, Args)]
@@ -22,9 +24,15 @@ pub struct RenderArgs {
     scene: SceneArgs,
     #[command(flatten)]
     plan: PlanArgs,
-    /// What computes: auto takes the CPU reference
-    #[arg(long, value_name = "BACKEND", default_value = "auto", value_parser = ["auto", "reference"])]
-    backend: String,
+    /// What computes: auto takes a hardware adapter, else the CPU reference; gpu also takes a software adapter
+    #[arg(long, value_name = "BACKEND", default_value = "auto", value_enum)]
+    backend: BackendFlag,
+    /// Compare about N random pixels with the reference at its finest, and tell the measured error
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    check: Option<u64>,
+    /// With --check: fail (exit status 1) when the picture's relative RMSE is above X
+    #[arg(long, value_name = "X", requires = "check", value_parser = share)]
+    fail_above: Option<f64>,
     /// A file to write, by its ending .png, .exr or .hdr; may be repeated [default: tyndall.png and tyndall.exr]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
@@ -67,22 +75,23 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let conditions = args.scene.conditions()?;
     let plan = Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    tell::plan(&plan);
+    let backend = Backend::new(args.backend)?;
+    tell::plan(&plan, &backend.describe());
     let prepared = start.elapsed();
 
     let bar = ProgressBar::new(1000).with_style(
         ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
-    let reference = Reference::new(&plan);
     let memory = (args.max_memory * f64::from(1 << 30)) as u64;
-    let mut rendered =
-        reference.render(memory, &|share| bar.set_position((1000.0 * share) as u64))?;
+    let mut rendered = backend.render(&plan, memory, &|share| {
+        bar.set_position((1000.0 * share) as u64)
+    })?;
     bar.finish_and_clear();
 
     let writing = Instant::now();
     let ev100 = ev100(args, &conditions, &rendered.frame);
-    record(&mut rendered.frame, &plan, ev100);
+    record(&mut rendered, &plan, ev100);
     for (path, format) in files.iter().zip(&formats) {
         let space = output_space(args.color_space);
         match format {
@@ -99,14 +108,42 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let stages = tell::stages(&rendered, prepared, writing.elapsed());
     tell::rendered(&rendered, ev100, &stages);
     tell::files(&files);
-    let report = report(&plan, &rendered, &stages, &files);
+    let check = check(args, &conditions, &rendered.frame)?;
+    let report = report(&plan, &rendered, &stages, &files, check.as_ref());
     if let Some(path) = &args.report {
         output::report::write(path, &report)?;
     }
     if args.json {
         stdout::print_json(&report)?;
     }
-    Ok(())
+    match (check, args.fail_above) {
+        (Some(check), Some(most)) if !(check.picture().relative_rmse <= most) => {
+            Err(Error::failed(
+                format!(
+                    "the picture's relative RMSE is {:.3e}, above {most}",
+                    check.picture().relative_rmse
+                ),
+                "take a higher --quality, or allow more with --fail-above",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The measured error, if it was asked for. The yardstick is the reference at its finest, with the same effects.
+fn check(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> Result<Option<Check>> {
+    let Some(count) = args.check else {
+        return Ok(None);
+    };
+    let finest = Overrules {
+        quality: Quality::Reference,
+        set: Vec::new(),
+        ..args.plan.overrules()
+    };
+    let yardstick = Plan::new(conditions, &finest)?;
+    let check = accuracy::check(frame, &yardstick, count as usize)?;
+    tell::check(&backend::table(&check));
+    Ok(Some(check))
 }
 
 /// The exposure of the PNG: the flag's, the scene's, or what the picture's own luminances call for.
@@ -123,14 +160,14 @@ fn ev100(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> f64 {
 }
 
 /// What the picture file says about itself.
-fn record(frame: &mut Frame, plan: &Plan, ev100: f64) {
+fn record(rendered: &mut Done, plan: &Plan, ev100: f64) {
     let conditions = plan.conditions;
-    let record = &mut frame.record;
+    let record = &mut rendered.frame.record;
     record.set("version", env!("CARGO_PKG_VERSION"));
     for (name, value) in conditions.facts() {
         record.set(name, value);
     }
-    record.set("method", "exact lit runs (reference)");
+    record.set("method", rendered.method);
     for step in plan.running() {
         for (knob, value) in &step.settings {
             record.set(format!("{}.{knob}", step.effect.name), *value);
@@ -141,9 +178,10 @@ fn record(frame: &mut Frame, plan: &Plan, ev100: f64) {
 
 fn report(
     plan: &Plan,
-    rendered: &Rendered,
+    rendered: &Done,
     stages: &[(String, f64)],
     files: &[PathBuf],
+    check: Option<&Check>,
 ) -> serde_json::Value {
     json!({
         "schema": 1,
@@ -154,6 +192,8 @@ fn report(
         "refined_pixels": rendered.refined,
         "stages": stages.iter().map(|(name, seconds)| json!({"name": name, "seconds": seconds})).collect::<Vec<_>>(),
         "render_seconds": rendered.elapsed.as_secs_f64(),
+        "work": rendered.details,
+        "check": check,
         "files": files,
     })
 }
@@ -178,4 +218,11 @@ pub fn exposure_flag(text: &str) -> Result<Exposure, String> {
 
 pub fn space(text: &str) -> Result<Space, String> {
     text.parse().map_err(|e: tyndall::Error| e.remedy())
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if share >= 0.0 && share.is_finite() => Ok(share),
+        _ => Err("a share from 0 on was expected, say 0.02".into()),
+    }
 }

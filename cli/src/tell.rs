@@ -1,12 +1,12 @@
 //! What is said on standard error: what was understood, decided and done.
 
+use crate::backend::Done;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
 use tyndall::conditions::Conditions;
 use tyndall::effect::Contribution;
 use tyndall::plan::Plan;
-use tyndall::reference::Rendered;
 
 fn line(label: &str, text: impl std::fmt::Display) {
     eprintln!("{label:<11}{text}");
@@ -29,14 +29,8 @@ pub fn conditions(conditions: &Conditions) {
 }
 
 /// Which effects run and why the others do not.
-pub fn plan(plan: &Plan) {
-    line(
-        "backend",
-        format!(
-            "reference (CPU, f64, {} threads)",
-            rayon::current_num_threads()
-        ),
-    );
+pub fn plan(plan: &Plan, backend: &str) {
+    line("backend", backend);
     let running: Vec<&str> = plan.running().map(|step| step.effect.name).collect();
     line("effects", running.join(", "));
     for step in plan.steps.iter().filter(|step| !step.decision.run) {
@@ -75,20 +69,15 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 /// The stages of the work and their share of the wall time [s].
-pub fn stages(rendered: &Rendered, prepared: Duration, written: Duration) -> Vec<(String, f64)> {
-    let cpu: f64 = rendered.stages.iter().map(|s| s.time.as_secs_f64()).sum();
-    let wall = rendered.elapsed.as_secs_f64();
+pub fn stages(rendered: &Done, prepared: Duration, written: Duration) -> Vec<(String, f64)> {
     let mut stages = vec![("prepare".to_owned(), prepared.as_secs_f64())];
-    for stage in &rendered.stages {
-        let share = stage.time.as_secs_f64() / cpu.max(f64::MIN_POSITIVE);
-        stages.push((stage.effect.to_owned(), share * wall));
-    }
+    stages.extend(rendered.stages.iter().cloned());
     stages.push(("write".to_owned(), written.as_secs_f64()));
     stages
 }
 
 /// How long it took.
-pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
+pub fn rendered(rendered: &Done, ev100: f64, stages: &[(String, f64)]) {
     let total: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
     let parts: Vec<String> = stages
         .iter()
@@ -109,4 +98,11 @@ pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
 pub fn files(files: &[PathBuf]) {
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     line("wrote", names.join(", "));
+}
+
+/// The measured error.
+pub fn check(lines: &[String]) {
+    for (i, text) in lines.iter().enumerate() {
+        line(if i == 0 { "check" } else { "" }, text);
+    }
 }

@@ -25,7 +25,9 @@ pub(super) fn medium(index: usize, medium: &Medium, ground: f64) -> Result<()> {
     coefficient("scattering", medium.scattering)?;
     coefficient("absorption", medium.absorption)?;
     match medium.phase {
-        Phase::HenyeyGreenstein { g } | Phase::CornetteShanks { g } if !(g.abs() <= 0.9999) => {
+        Phase::HenyeyGreenstein { g } | Phase::CornetteShanks { g }
+            if !(-0.9999..=0.9999).contains(&g) =>
+        {
             return Err(Error::domain(
                 name("g"),
                 g,

@@ -2,7 +2,9 @@
 //!
 //! L = tau (L_sun + L_sky + L_lights + L_background) + L_inscatter. The air's own layers hold their attenuation already.
 
-use super::{Contribution, Decision, Effect, Field};
+use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource};
+
+const ATTENUATED: &[Field] = &[Field::Sun, Field::Sky, Field::Lights, Field::Background];
 
 /// Light through the air to the eye.
 pub const COMPOSE: Effect = Effect {
@@ -21,9 +23,15 @@ pub const COMPOSE: Effect = Effect {
     decide: |_| Decision::run("always", Contribution::Everything),
     reference: |_, _| {
         Box::new(|fields| {
-            for layer in [Field::Sun, Field::Sky, Field::Lights, Field::Background] {
-                fields.multiply(layer, Field::Transmittance);
+            for layer in ATTENUATED {
+                fields.multiply(*layer, Field::Transmittance);
             }
         })
     },
+    passes: &[Pass {
+        shader: include_str!("../../shaders/compose.wgsl"),
+        entry: "attenuate",
+        kind: Kind::EachField(ATTENUATED),
+        uses: &[Resource::Each, Resource::Read(Field::Transmittance)],
+    }],
 };

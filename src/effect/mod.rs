@@ -3,14 +3,16 @@
 //! # How to add an effect
 //!
 //! Write `src/effect/<name>.rs` with its documentation (equations, source, what is neglected), a constant [`Effect`] and its
-//! tests, and name the constant in [`ALL`], after those whose fields it reads. The plan then lists it with its decision,
-//! reason and bound; `--force`, `--without` and `--set` reach it; the backend runs it and the report times it. A new kind of
+//! tests, `shaders/<name>.wgsl` with the kernels that its [`Pass`]es name (without any, the CPU does its work), and name the constant in [`ALL`], after those whose fields it reads. The plan then lists it with its decision,
+//! reason and bound; `--force`, `--without` and `--set` reach it; the backends run it, the report times it and the parity tests compare it. A new kind of
 //! result is one more [`Field`].
 //!
 //! An effect has no state. `decide` tells before anything is rendered whether the scene calls for it; `reference` prepares
 //! what a frame needs once and returns the function that is run on batches of rays.
 
 pub mod compose;
+pub mod pass;
+pub mod shadow;
 pub mod shafts;
 pub mod sky_dome;
 pub mod sun_disc;
@@ -23,12 +25,15 @@ use crate::conditions::Conditions;
 use crate::scene::Ray;
 use glam::{DVec3, UVec2};
 
+pub use pass::{Kind, Pass, Resource};
+
 /// Every effect, in the order in which they run: each after those whose fields it reads.
 pub const ALL: &[&Effect] = &[
     &visibility::VISIBILITY,
     &transmittance::TRANSMITTANCE,
     &sky_dome::SKY_DOME,
     &sun_disc::SUN_DISC,
+    &shadow::SHADOW,
     &surface_sun::SURFACE_SUN,
     &surface_sky::SURFACE_SKY,
     &shafts::SHAFTS,
@@ -53,6 +58,8 @@ pub struct Effect {
     pub decide: fn(&Conditions) -> Decision,
     /// The slow and exact way on the CPU, in f64: prepared once a frame, then run on batches of rays on all cores.
     pub reference: for<'a> fn(&'a Conditions, &Settings<'_>) -> Batch<'a>,
+    /// What it does on a GPU; empty: `reference` does it on the CPU there too.
+    pub passes: &'static [Pass],
 }
 
 /// What an effect does to a batch of rays.

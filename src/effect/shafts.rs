@@ -9,7 +9,7 @@
 //! Multiple scattering is not simulated: in air of optical depth tau and single-scattering albedo w about w tau / 2 of the
 //! scattered light is missing from each further order.
 
-use super::{Contribution, Decision, Effect, Field, Knob};
+use super::{Contribution, Decision, Effect, Field, Kind, Knob, Pass, Resource};
 use crate::medium::Scattering;
 use crate::scene::curtain::complement;
 use glam::DVec3;
@@ -21,12 +21,20 @@ pub const SHAFTS: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::InscatterSun],
     remembers: false,
-    knobs: &[Knob {
-        name: "suns",
-        meaning: "points of the sun's disc, exact lit runs for each",
-        values: [1.0, 4.0, 8.0, 16.0],
-        range: [1.0, 4096.0],
-    }],
+    knobs: &[
+        Knob {
+            name: "suns",
+            meaning: "points of the sun's disc, lit runs for each",
+            values: [1.0, 4.0, 8.0, 16.0],
+            range: [1.0, 4096.0],
+        },
+        Knob {
+            name: "steps",
+            meaning: "steps along each ray on a GPU (the reference knows none)",
+            values: [64.0, 192.0, 512.0, 2048.0],
+            range: [1.0, 65536.0],
+        },
+    ],
     decide: |conditions| {
         if conditions.air.media.is_empty() {
             return Decision::nothing("the scene has no medium: nothing scatters light");
@@ -86,4 +94,14 @@ pub const SHAFTS: Effect = Effect {
             });
         })
     },
+    passes: &[Pass {
+        shader: include_str!("../../shaders/shafts.wgsl"),
+        entry: "march",
+        kind: Kind::EachSun("suns"),
+        uses: &[
+            Resource::Read(Field::Surface),
+            Resource::Update(Field::InscatterSun),
+            Resource::Table(|_, settings| vec![settings.get("steps") as f32]),
+        ],
+    }],
 };

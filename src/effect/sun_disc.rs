@@ -50,6 +50,8 @@ pub const SUN_DISC: Effect = Effect {
             });
         })
     },
+    // Exact coverage needs f64; it costs nothing away from the disc's few pixels.
+    passes: &[],
 };
 
 /// Whether any pixel can show a part of the disc.

@@ -67,6 +67,7 @@ pub const SURFACE_SKY: Effect = Effect {
             });
         })
     },
+    passes: &[],
 };
 
 /// Irradiance from the sky [lx, RGB], found where the picture needs it and kept.

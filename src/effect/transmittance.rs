@@ -2,7 +2,7 @@
 //!
 //! Coefficients of media that overlap add. Rays that meet nothing end where the air does (a height medium: at its `far`).
 
-use super::{Contribution, Decision, Effect, Field};
+use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource};
 
 /// Attenuation between eye and surface.
 pub const TRANSMITTANCE: Effect = Effect {
@@ -38,4 +38,13 @@ pub const TRANSMITTANCE: Effect = Effect {
             });
         })
     },
+    passes: &[Pass {
+        shader: include_str!("../../shaders/transmittance.wgsl"),
+        entry: "attenuate",
+        kind: Kind::Pixels,
+        uses: &[
+            Resource::Read(Field::Surface),
+            Resource::Update(Field::Transmittance),
+        ],
+    }],
 };

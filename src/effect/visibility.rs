@@ -4,7 +4,7 @@
 //! at its nearest texel, in linear light. Both sides of a triangle reflect; normals face the eye. The interpolated normal is
 //! used for shading where it agrees with the triangle about which side the eye is on.
 
-use super::{Contribution, Decision, Effect, Field, Source, Surface};
+use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource, Source, Surface};
 use crate::colour::{Space, srgb_decode};
 use crate::conditions::Conditions;
 use crate::scene::{Hit, Ray, geometry::texel};
@@ -40,13 +40,47 @@ pub const VISIBILITY: Effect = Effect {
             }
         })
     },
+    passes: &[
+        Pass {
+            shader: SHADER,
+            entry: "picture",
+            kind: Kind::Picture,
+            uses: &[
+                Resource::Attributes,
+                Resource::MaterialOf,
+                Resource::Materials,
+                Resource::Texels,
+            ],
+        },
+        Pass {
+            shader: SHADER,
+            entry: "resolve",
+            kind: Kind::Pixels,
+            uses: &[
+                Resource::Attributes,
+                Resource::MaterialOf,
+                Resource::Materials,
+                Resource::Texels,
+                Resource::Corners,
+                Resource::Numbers,
+                Resource::Update(Field::Surface),
+            ],
+        },
+    ],
 };
+
+const SHADER: &str = include_str!("../../shaders/visibility.wgsl");
 
 /// What a ray meets first.
 pub fn first_surface(conditions: &Conditions, ray: &Ray, working_from_rec709: DMat3) -> Surface {
     if let Some(hit) = conditions.geometry.closest(ray, 0.0, f64::INFINITY) {
         return triangle_surface(conditions, ray, &hit, working_from_rec709);
     }
+    ground_surface(conditions, ray)
+}
+
+/// What a ray meets that meets no triangle: the ground, or nothing.
+pub fn ground_surface(conditions: &Conditions, ray: &Ray) -> Surface {
     match &conditions.ground {
         Some(ground) if ray.direction.y < 0.0 && ray.origin.y > ground.height => {
             let distance = (ray.origin.y - ground.height) / -ray.direction.y;
@@ -63,6 +97,38 @@ pub fn first_surface(conditions: &Conditions, ray: &Ray, working_from_rec709: DM
         }
         _ => Surface::NOTHING,
     }
+}
+
+/// The place of a triangle of the scene that a ray meets, when it is known to meet that one first; the nearest place of the
+/// triangle if it passes by a hair.
+pub fn known_surface(
+    conditions: &Conditions,
+    ray: &Ray,
+    triangle: u32,
+    working_from_rec709: DMat3,
+) -> Surface {
+    let mesh = &conditions.scene.mesh;
+    let [a, b, c] = mesh.triangles[triangle as usize]
+        .vertices
+        .map(|i| mesh.positions[i as usize] - ray.origin);
+    let (e, f) = (b - a, c - a);
+    let edge = e.cross(f);
+    let across = edge.dot(ray.direction);
+    let distance = if across == 0.0 {
+        a.dot(ray.direction)
+    } else {
+        edge.dot(a) / across
+    };
+    let p = distance * ray.direction - a;
+    let square = edge.length_squared();
+    let v = (p.cross(f).dot(edge) / square).clamp(0.0, 1.0);
+    let w = (e.cross(p).dot(edge) / square).clamp(0.0, 1.0 - v);
+    let hit = Hit {
+        distance: (a + v * e + w * f).dot(ray.direction).max(0.0),
+        triangle,
+        barycentric: [v, w],
+    };
+    triangle_surface(conditions, ray, &hit, working_from_rec709)
 }
 
 fn triangle_surface(

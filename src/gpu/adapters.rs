@@ -106,16 +106,38 @@ pub fn report() -> Report {
     }
 }
 
+/// The adapter that is preferred, of software only when `software` allows it.
+pub(super) fn best(software: bool) -> Option<(Handle, Adapter)> {
+    let mut all = handles(InstanceFlags::empty());
+    all.sort_by_key(|(_, adapter)| adapter.kind);
+    all.into_iter()
+        .find(|(_, adapter)| software || adapter.is_hardware())
+}
+
+/// What `--backend auto` takes: the hardware adapter, or `None` for the reference.
+pub fn automatic(report: &Report) -> Option<&Adapter> {
+    report.adapters.iter().find(|adapter| adapter.is_hardware())
+}
+
 fn list(flags: InstanceFlags) -> Vec<Adapter> {
+    let mut adapters: Vec<Adapter> = handles(flags).into_iter().map(|(_, a)| a).collect();
+    adapters.sort_by_key(|adapter| adapter.kind);
+    adapters
+}
+
+fn handles(flags: InstanceFlags) -> Vec<(Handle, Adapter)> {
     let backends = Backends::VULKAN | Backends::METAL | Backends::DX12;
     let mut descriptor = InstanceDescriptor::new_without_display_handle();
     descriptor.backends = backends;
     descriptor.flags = flags;
     let instance = Instance::new(descriptor);
-    let handles = pollster::block_on(instance.enumerate_adapters(backends));
-    let mut adapters: Vec<Adapter> = handles.iter().map(describe).collect();
-    adapters.sort_by_key(|adapter| adapter.kind);
-    adapters
+    pollster::block_on(instance.enumerate_adapters(backends))
+        .into_iter()
+        .map(|handle| {
+            let description = describe(&handle);
+            (handle, description)
+        })
+        .collect()
 }
 
 fn describe(handle: &Handle) -> Adapter {

@@ -175,6 +175,13 @@ impl Geometry {
         self.corners.len()
     }
 
+    /// The triangles that cast shadows: their number in the scene, and, for a cut-out, the least alpha (0 to 255, of a texel
+    /// alone) that is solid.
+    pub fn casters(&self) -> impl Iterator<Item = (u32, Option<f64>)> + '_ {
+        let least = self.cut_outs.iter().map(|cut| cut.map(|cut| cut.least));
+        self.scene_triangle.iter().copied().zip(least)
+    }
+
     /// The least box around everything [m].
     pub fn bounds(&self) -> (DVec3, DVec3) {
         (self.min + self.origin, self.max + self.origin)

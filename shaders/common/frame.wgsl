@@ -1,0 +1,105 @@
+// What every shader sees: the tile, the eye, the rays and the air. Positions are relative to the eye, in metres: they are
+// made from f64 on the CPU.
+
+struct Frame {
+    // First pixel of the tile, and its size.
+    tile: vec2u,
+    extent: vec2u,
+    right: vec3f,
+    // 0 perspective, 1 orthographic, 2 panorama.
+    projection: u32,
+    up: vec3f,
+    media: u32,
+    forward: vec3f,
+    // Whether there is a ground plane.
+    grounded: u32,
+    // clip.x = project.x X + project.y W, clip.y = project.z Y + project.w W, in the tile.
+    project: vec4f,
+    // Reflectance of the ground; height of the eye over it.
+    ground: vec4f,
+    // Perspective: distance of the near plane; orthographic: one over the greatest depth.
+    depth: f32,
+    // Ray origin of an orthographic view at the tile's corner, and its change from pixel to pixel.
+    origin: vec3f,
+    origin_right: vec3f,
+    origin_down: vec3f,
+    // From linear Rec. 709 to the working space, column by column.
+    working_from_rec709: mat3x3f,
+}
+
+struct Attributes {
+    normal: vec3f,
+    u: f32,
+    color: vec3f,
+    v: f32,
+}
+
+struct Material {
+    // Linear Rec. 709.
+    color: vec3f,
+    // A texel is solid from this alpha on, in 0 to 255; below 0: no cut-out.
+    least_alpha: f32,
+    // First texel, size, and how it goes on outside (0 repeat, 1 mirror, 2 clamp); a size of 0: no texture.
+    texel: u32,
+    size: vec2u,
+    wrap: vec2u,
+}
+
+// What a ray meets. Number 0 is nothing, 1 the ground, 2 and on a triangle.
+struct Surface {
+    normal: vec3f,
+    distance: f32,
+    facet: vec3f,
+    number: u32,
+    albedo: vec3f,
+}
+
+const NO_HIT = 1e10;
+const FARTHEST = 1e9;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+// Unit direction of each pixel's ray.
+@group(0) @binding(1) var<storage, read> rays: array<vec4f>;
+@group(0) @binding(2) var<storage, read> media: array<Medium>;
+
+fn inside_tile(id: vec3u) -> bool {
+    return all(id.xy < frame.extent);
+}
+
+fn pixel_index(id: vec3u) -> u32 {
+    return id.y * frame.extent.x + id.x;
+}
+
+fn ray_direction(id: vec3u) -> vec3f {
+    return rays[pixel_index(id)].xyz;
+}
+
+fn ray_origin(id: vec3u) -> vec3f {
+    if frame.projection != 1u {
+        return vec3f(0.0);
+    }
+    return frame.origin + f32(id.x) * frame.origin_right + f32(id.y) * frame.origin_down;
+}
+
+fn uv_of(attributes: Attributes) -> vec2f {
+    return vec2f(attributes.u, attributes.v);
+}
+
+fn wrapped(position: f32, size: u32, wrap: u32) -> u32 {
+    let n = f32(size);
+    var p = floor(position * n);
+    if wrap == 0u {
+        p -= n * floor(p / n);
+    } else if wrap == 1u {
+        p -= 2.0 * n * floor(p / (2.0 * n));
+        p = select(2.0 * n - 1.0 - p, p, p < n);
+    }
+    return u32(clamp(p, 0.0, n - 1.0));
+}
+
+// The nearest texel of the finest level, as the reference reads it.
+fn texel_index(material: Material, uv: vec2f) -> u32 {
+    let x = wrapped(uv.x, material.size.x, material.wrap.x);
+    let y = wrapped(uv.y, material.size.y, material.wrap.y);
+    return material.texel + y * material.size.x + x;
+}

@@ -1,0 +1,312 @@
+// The air: optical depths and single scattering in closed form. Lengths in metres, coefficients per metre.
+
+const BOX = 0u;
+const HAZE = 1u;
+const HEIGHT = 2u;
+
+struct Medium {
+    scattering: vec3f,
+    shape: u32,
+    extinction: vec3f,
+    phase: u32,
+    // Box: its corners. Haze: lower and upper height (y). Relative to the eye.
+    least: vec3f,
+    g: f32,
+    greatest: vec3f,
+    // Height: that of the eye over the base in scale heights; the scale height; where rays that meet nothing end.
+    start: f32,
+    scale_height: f32,
+    far: f32,
+}
+
+// (1 - e^-x) / x.
+fn phi1(x: f32) -> f32 {
+    if abs(x) < 0.5 {
+        return 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0 * (1.0 - x / 8.0))))));
+    }
+    return (1.0 - exp(-x)) / x;
+}
+
+// The integral of exp(-(start + slope t)) over t from 0 to `length`, whatever the slope's sign.
+fn exponential_integral(start: f32, slope: f32, length: f32) -> f32 {
+    let change = slope * length;
+    if change >= 0.0 {
+        return exp(-start) * length * phi1(change);
+    }
+    return exp(-(start + change)) * length * phi1(-change);
+}
+
+fn exponential_integral3(start: vec3f, slope: vec3f, length: vec3f) -> vec3f {
+    return vec3f(exponential_integral(start.x, slope.x, length.x), exponential_integral(start.y, slope.y, length.y),
+                 exponential_integral(start.z, slope.z, length.z));
+}
+
+// Phase function [1/sr] from 1 - mu; +1 looks at the sun.
+fn phase_value(medium: Medium, one_minus_mu: f32) -> f32 {
+    const PI = 3.14159265358979;
+    let mu = 1.0 - one_minus_mu;
+    let g = medium.g;
+    let below = 1.0 - g;
+    let square = below * below + 2.0 * g * one_minus_mu;
+    let stretched = square * sqrt(square);
+    let half = 0.5 * (1.0 + mu);
+    let half2 = half * half;
+    let half8 = half2 * half2 * half2 * half2;
+    let half16 = half8 * half8;
+    switch medium.phase {
+        case 0u: { return 1.0 / (4.0 * PI); }
+        case 1u: { return 3.0 / (16.0 * PI) * (1.0 + mu * mu); }
+        case 2u: { return (1.0 - g * g) / (4.0 * PI * stretched); }
+        case 3u: { return 3.0 * (1.0 - g * g) * (1.0 + mu * mu) / (8.0 * PI * (2.0 + g * g) * stretched); }
+        case 4u: { return (1.0 + 9.0 * half8) / (8.0 * PI); }
+        default: { return 33.0 / (332.0 * PI) * (1.0 + 50.0 * half16 * half16); }
+    }
+}
+
+// The part of a half-line inside a box or a haze; an empty one has its end before its start.
+fn chord(medium: Medium, origin: vec3f, direction: vec3f) -> vec2f {
+    var span = vec2f(0.0, FARTHEST);
+    for (var axis = 0u; axis < 3u; axis++) {
+        if medium.shape == HAZE && axis != 1u {
+            continue;
+        }
+        let o = origin[axis];
+        let d = direction[axis];
+        if abs(d) < 1e-30 {
+            if o < medium.least[axis] || o > medium.greatest[axis] {
+                return vec2f(0.0, -1.0);
+            }
+            continue;
+        }
+        let a = (medium.least[axis] - o) / d;
+        let b = (medium.greatest[axis] - o) / d;
+        span = vec2f(max(span.x, min(a, b)), min(span.y, max(a, b)));
+    }
+    return span;
+}
+
+fn inside(medium: Medium, p: vec3f) -> bool {
+    if medium.shape == HAZE {
+        return p.y >= medium.least.y && p.y <= medium.greatest.y;
+    }
+    return all(p >= medium.least) && all(p <= medium.greatest);
+}
+
+fn length_inside(medium: Medium, origin: vec3f, direction: vec3f, distance: f32) -> f32 {
+    let span = chord(medium, origin, direction);
+    return clamp(min(span.y, distance) - span.x, 0.0, FARTHEST);
+}
+
+// Density of a height medium along a ray, relative to its base.
+fn density(medium: Medium, origin: vec3f, direction: vec3f, t: f32) -> f32 {
+    return exp(min(-(medium.start + (origin.y + direction.y * t) / medium.scale_height), 50.0));
+}
+
+// Length of base air between two distances, from the denser end.
+fn base_length(medium: Medium, origin: vec3f, direction: vec3f, a: f32, b: f32) -> f32 {
+    let dense = max(density(medium, origin, direction, a), density(medium, origin, direction, b));
+    return dense * (b - a) * phi1(abs(direction.y / medium.scale_height * (b - a)));
+}
+
+// Length of base air from a ray's point to the sun.
+fn base_above(medium: Medium, origin: vec3f, direction: vec3f, t: f32, toward: vec3f) -> f32 {
+    if toward.y <= 0.0 {
+        return 1e30;
+    }
+    return min(density(medium, origin, direction, t) * medium.scale_height / toward.y, 1e30);
+}
+
+// A coefficient times a length: nothing stays nothing however long the way.
+fn depth_of(extinction: vec3f, length: f32) -> vec3f {
+    return min(extinction * length, vec3f(1e30));
+}
+
+// Distance beyond which a ray that meets nothing sees no more air.
+fn air_end(origin: vec3f, direction: vec3f) -> f32 {
+    var end = 0.0;
+    for (var i = 0u; i < frame.media; i++) {
+        if media[i].shape == HEIGHT {
+            end = max(end, media[i].far);
+        } else {
+            let span = chord(media[i], origin, direction);
+            end = max(end, select(0.0, span.y, span.y > span.x));
+        }
+    }
+    return min(end, FARTHEST);
+}
+
+fn optical_depth(origin: vec3f, direction: vec3f, distance: f32) -> vec3f {
+    var depth = vec3f(0.0);
+    for (var i = 0u; i < frame.media; i++) {
+        if media[i].shape == HEIGHT {
+            depth += depth_of(media[i].extinction, base_length(media[i], origin, direction, 0.0, distance));
+        } else {
+            depth += depth_of(media[i].extinction, length_inside(media[i], origin, direction, distance));
+        }
+    }
+    return depth;
+}
+
+fn sun_optical_depth(p: vec3f, toward: vec3f) -> vec3f {
+    var depth = vec3f(0.0);
+    for (var i = 0u; i < frame.media; i++) {
+        if media[i].shape == HEIGHT {
+            depth += depth_of(media[i].extinction, base_above(media[i], p, vec3f(0.0), 0.0, toward));
+        } else {
+            depth += depth_of(media[i].extinction, length_inside(media[i], p, toward, FARTHEST));
+        }
+    }
+    return depth;
+}
+
+// The first distance beyond `t` at which a box's or haze's depth toward the sun bends.
+fn next_bend(origin: vec3f, direction: vec3f, toward: vec3f, t: f32) -> f32 {
+    var next = FARTHEST;
+    let after = t + 2e-7 * abs(t);
+    for (var i = 0u; i < frame.media; i++) {
+        let medium = media[i];
+        if medium.shape == HEIGHT {
+            continue;
+        }
+        let span = chord(medium, origin, direction);
+        if span.y > span.x {
+            next = select(next, span.x, span.x > after && span.x < next);
+            next = select(next, span.y, span.y > after && span.y < next);
+        }
+        if medium.shape == HAZE {
+            continue;
+        }
+        for (var c = 0u; c < 3u; c++) {
+            // Where the plane of ray and sun meets the edges along axis c.
+            let a = (c + 1u) % 3u;
+            let b = (c + 2u) % 3u;
+            let determinant = direction[a] * toward[b] - direction[b] * toward[a];
+            if abs(determinant) < 1e-12 {
+                continue;
+            }
+            for (var corner = 0u; corner < 4u; corner++) {
+                let p = select(medium.least[a], medium.greatest[a], (corner & 1u) != 0u) - origin[a];
+                let q = select(medium.least[b], medium.greatest[b], (corner & 2u) != 0u) - origin[b];
+                let at = (p * toward[b] - q * toward[a]) / determinant;
+                next = select(next, at, at > after && at < next);
+            }
+        }
+    }
+    return next;
+}
+
+// What homogeneous media do on a piece of a ray without bends: depth eye to point to sun at its start, its slope, and
+// the source.
+struct Piece {
+    depth: vec3f,
+    slope: vec3f,
+    source: vec3f,
+}
+
+fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, one_minus_mu: f32) -> Piece {
+    var piece = Piece(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    let length = b - a;
+    for (var i = 0u; i < frame.media; i++) {
+        let medium = media[i];
+        if medium.shape == HEIGHT {
+            continue;
+        }
+        // Both samples lie inside the piece: at its ends the depth may jump (a face parallel to the sun's rays).
+        let first = length_inside(medium, origin + (a + 0.25 * length) * direction, toward, FARTHEST);
+        let last = length_inside(medium, origin + (a + 0.75 * length) * direction, toward, FARTHEST);
+        let slope = (last - first) / (0.5 * length);
+        let eye = length_inside(medium, origin, direction, a);
+        piece.depth += medium.extinction * (eye + max(first - 0.25 * length * slope, 0.0));
+        piece.slope += medium.extinction * slope;
+        if inside(medium, origin + (a + 0.5 * length) * direction) {
+            piece.slope += medium.extinction;
+            piece.source += medium.scattering * phase_value(medium, one_minus_mu);
+        }
+    }
+    return piece;
+}
+
+fn all_depth(piece: Piece, origin: vec3f, direction: vec3f, a: f32, t: f32, toward: vec3f) -> vec3f {
+    var depth = piece.depth + piece.slope * (t - a);
+    for (var i = 0u; i < frame.media; i++) {
+        let medium = media[i];
+        if medium.shape == HEIGHT {
+            let length = base_length(medium, origin, direction, 0.0, t) + base_above(medium, origin, direction, t, toward);
+            depth += depth_of(medium.extinction, length);
+        }
+    }
+    return depth;
+}
+
+fn scattered_piece(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, one_minus_mu: f32) -> vec3f {
+    let piece = homogeneous(origin, direction, a, b, toward, one_minus_mu);
+    var heights = 0u;
+    var only = 0u;
+    for (var i = 0u; i < frame.media; i++) {
+        if media[i].shape == HEIGHT {
+            heights += 1u;
+            only = i;
+        }
+    }
+    if heights == 0u {
+        if all(piece.source == vec3f(0.0)) {
+            return vec3f(0.0);
+        }
+        return piece.source * exponential_integral3(piece.depth, piece.slope, vec3f(b - a));
+    }
+    if heights == 1u && all(piece.depth == vec3f(0.0)) && all(piece.slope == vec3f(0.0)) {
+        // The exponent is linear in the medium's own optical depth.
+        let medium = media[only];
+        if toward.y <= 0.0 {
+            return vec3f(0.0);
+        }
+        let run = base_length(medium, origin, direction, a, b);
+        let ahead = base_length(medium, origin, direction, 0.0, a) + base_above(medium, origin, direction, a, toward);
+        let turn = 1.0 - direction.y / toward.y;
+        let source = medium.scattering * phase_value(medium, one_minus_mu);
+        return source * exponential_integral3(depth_of(medium.extinction, ahead), medium.extinction * turn, vec3f(run));
+    }
+    // A mixture: three-point Gauss-Legendre on parts that change little.
+    let change = abs(all_depth(piece, origin, direction, a, b, toward) - all_depth(piece, origin, direction, a, a, toward));
+    var uneven = min(max(change.x, max(change.y, change.z)), 100.0);
+    for (var i = 0u; i < frame.media; i++) {
+        if media[i].shape == HEIGHT {
+            uneven = max(uneven, abs(direction.y * (b - a) / media[i].scale_height));
+        }
+    }
+    let parts = u32(clamp(ceil(2.0 * uneven), 1.0, 128.0));
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < parts; k++) {
+        let half = 0.5 * (b - a) / f32(parts);
+        let middle = a + (2.0 * f32(k) + 1.0) * half;
+        for (var node = 0u; node < 3u; node++) {
+            let t = middle + (f32(node) - 1.0) * 0.774596669 * half;
+            let weight = half * select(5.0 / 9.0, 8.0 / 9.0, node == 1u);
+            var source = piece.source;
+            for (var i = 0u; i < frame.media; i++) {
+                let medium = media[i];
+                if medium.shape == HEIGHT {
+                    source += medium.scattering * (phase_value(medium, one_minus_mu) * density(medium, origin, direction, t));
+                }
+            }
+            sum += weight * source * exp(-all_depth(piece, origin, direction, a, t, toward));
+        }
+    }
+    return sum;
+}
+
+// Sunlight that the lit part [from, to] of a ray scatters to the eye [1/sr], per unit of illuminance; split at the faces
+// of boxes and where their depth toward the sun bends.
+fn scattered(origin: vec3f, direction: vec3f, from_distance: f32, to_distance: f32, toward: vec3f) -> vec3f {
+    let apart = direction - toward;
+    let one_minus_mu = 0.5 * dot(apart, apart);
+    var sum = vec3f(0.0);
+    var t = from_distance;
+    // Each box gives at most fourteen bends.
+    for (var guard = 0u; guard <= 14u * frame.media && t < to_distance; guard++) {
+        let next = min(to_distance, next_bend(origin, direction, toward, t));
+        sum += scattered_piece(origin, direction, t, next, toward, one_minus_mu);
+        t = next;
+    }
+    return sum;
+}

@@ -1,0 +1,40 @@
+// Casters as the sun sees them. The instance is the partition. No depth bias: the air has no receiver.
+
+@group(1) @binding(0) var<storage, read> attributes: array<Attributes>;
+@group(1) @binding(1) var<storage, read> material_of: array<u32>;
+@group(1) @binding(2) var<storage, read> materials: array<Material>;
+@group(1) @binding(3) var<storage, read> texels: array<u32>;
+
+struct Caster {
+    @builtin(position) position: vec4f,
+    @location(0) uv: vec2f,
+    @location(1) @interpolate(flat) triangle: u32,
+}
+
+fn caster(corner: vec3f, part: u32) -> vec4f {
+    let at = light_coordinates(corner);
+    let map = light.maps[part];
+    let share = (at.xy - map.least) / (map.texel * light.resolution);
+    let depth = (light.heights.y - at.z) / (light.heights.y - light.heights.x);
+    return vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, depth, 1.0);
+}
+
+@vertex
+fn map_vertex(@location(0) corner: vec3f, @builtin(instance_index) part: u32) -> @builtin(position) vec4f {
+    return caster(corner, part);
+}
+
+@vertex
+fn map_cut_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32,
+                  @builtin(instance_index) part: u32) -> Caster {
+    return Caster(caster(corner, part), uv_of(attributes[vertex]), vertex / 3u);
+}
+
+@fragment
+fn map_cut_fragment(in: Caster) {
+    let material = materials[material_of[in.triangle]];
+    let texel = texels[texel_index(material, in.uv)];
+    if f32(texel >> 24u) < material.least_alpha {
+        discard;
+    }
+}

@@ -1,0 +1,19 @@
+// Light let through between the end of each ray and the eye.
+
+@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
+@group(1) @binding(1) var<storage, read_write> transmittance: array<vec4f>;
+
+@compute @workgroup_size(8, 8)
+fn attenuate(@builtin(global_invocation_id) id: vec3u) {
+    if !inside_tile(id) {
+        return;
+    }
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let surface = surfaces[pixel_index(id)];
+    var end = surface.distance;
+    if surface.number == 0u {
+        end = air_end(origin, direction);
+    }
+    transmittance[pixel_index(id)] = vec4f(exp(-optical_depth(origin, direction, end)), 0.0);
+}

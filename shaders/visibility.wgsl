@@ -1,0 +1,133 @@
+// The first surface on each ray: triangles are drawn for their numbers, then the ray itself is cut with the triangle that
+// was found, so that distance and normal have the ray's precision and not the rasteriser's.
+
+@group(1) @binding(0) var<storage, read> attributes: array<Attributes>;
+@group(1) @binding(1) var<storage, read> material_of: array<u32>;
+@group(1) @binding(2) var<storage, read> materials: array<Material>;
+@group(1) @binding(3) var<storage, read> texels: array<u32>;
+// Only `resolve` sees these.
+@group(1) @binding(4) var<storage, read> corners: array<f32>;
+@group(1) @binding(5) var numbers: texture_2d<u32>;
+@group(1) @binding(6) var<storage, read_write> surfaces: array<Surface>;
+
+fn projected(corner: vec3f) -> vec4f {
+    let x = dot(corner, frame.right);
+    let y = dot(corner, frame.up);
+    let z = dot(corner, frame.forward);
+    if frame.projection == 1u {
+        return vec4f(frame.project.x * x + frame.project.y, frame.project.z * y + frame.project.w, 1.0 - z * frame.depth, 1.0);
+    }
+    // Depth is reversed: near over z keeps its digits at any distance.
+    return vec4f(frame.project.x * x + frame.project.y * z, frame.project.z * y + frame.project.w * z, frame.depth, z);
+}
+
+struct Solid {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) triangle: u32,
+}
+
+@vertex
+fn picture_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32) -> Solid {
+    return Solid(projected(corner), vertex / 3u);
+}
+
+@fragment
+fn picture_fragment(in: Solid) -> @location(0) u32 {
+    return in.triangle + 1u;
+}
+
+struct CutOut {
+    @builtin(position) position: vec4f,
+    @location(0) uv: vec2f,
+    @location(1) @interpolate(flat) triangle: u32,
+}
+
+@vertex
+fn picture_cut_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32) -> CutOut {
+    return CutOut(projected(corner), uv_of(attributes[vertex]), vertex / 3u);
+}
+
+@fragment
+fn picture_cut_fragment(in: CutOut) -> @location(0) u32 {
+    let material = materials[material_of[in.triangle]];
+    let texel = texels[texel_index(material, in.uv)];
+    if f32(texel >> 24u) < material.least_alpha {
+        discard;
+    }
+    return in.triangle + 1u;
+}
+
+fn corner(index: u32) -> vec3f {
+    return vec3f(corners[3u * index], corners[3u * index + 1u], corners[3u * index + 2u]);
+}
+
+fn srgb_decode(encoded: f32) -> f32 {
+    if encoded <= 0.04045 {
+        return encoded / 12.92;
+    }
+    return pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+fn met_triangle(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
+    let first = 3u * triangle;
+    let a = corner(first) - origin;
+    let b = corner(first + 1u) - origin;
+    let c = corner(first + 2u) - origin;
+    let edge = cross(b - a, c - a);
+    let across = dot(edge, direction);
+    var surface: Surface;
+    surface.number = triangle + 2u;
+    surface.facet = normalize(edge) * select(1.0, -1.0, across > 0.0);
+    // The rasteriser may name a triangle that the ray passes by a hair; it is met at its border then.
+    var p = select(dot(edge, a) / across, dot(a, direction), abs(across) < 1e-9 * length(edge)) * direction - a;
+    let e = b - a;
+    let f = c - a;
+    let square = dot(edge, edge);
+    var v = clamp(dot(cross(p, f), edge) / square, 0.0, 1.0);
+    var w = clamp(dot(cross(e, p), edge) / square, 0.0, 1.0 - v);
+    surface.distance = max(dot(a + v * e + w * f, direction), 0.0);
+    let u = 1.0 - v - w;
+    let x = attributes[first];
+    let y = attributes[first + 1u];
+    let z = attributes[first + 2u];
+    let shading = x.normal * u + y.normal * v + z.normal * w;
+    surface.normal = surface.facet;
+    if dot(shading, shading) > 1e-12 {
+        let side = dot(shading, edge) * dot(surface.facet, edge);
+        surface.normal = normalize(shading) * select(1.0, -1.0, side < 0.0);
+    }
+    let material = materials[material_of[triangle]];
+    var color = material.color * (x.color * u + y.color * v + z.color * w);
+    if material.size.x > 0u {
+        let texel = texels[texel_index(material, uv_of(x) * u + uv_of(y) * v + uv_of(z) * w)];
+        let encoded = vec3f(f32(texel & 255u), f32((texel >> 8u) & 255u), f32((texel >> 16u) & 255u)) / 255.0;
+        color *= vec3f(srgb_decode(encoded.x), srgb_decode(encoded.y), srgb_decode(encoded.z));
+    }
+    surface.albedo = max(frame.working_from_rec709 * color, vec3f(0.0));
+    return surface;
+}
+
+@compute @workgroup_size(8, 8)
+fn resolve(@builtin(global_invocation_id) id: vec3u) {
+    if !inside_tile(id) {
+        return;
+    }
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let number = textureLoad(numbers, id.xy, 0).x;
+    var surface: Surface;
+    surface.distance = NO_HIT;
+    if number > 0u {
+        surface = met_triangle(number - 1u, origin, direction);
+    } else {
+        let height = frame.ground.w + origin.y;
+        if frame.grounded != 0u && direction.y < 0.0 && height > 0.0 {
+            surface.number = 1u;
+            surface.distance = min(height / -direction.y, NO_HIT);
+            surface.normal = vec3f(0.0, 1.0, 0.0);
+            surface.facet = surface.normal;
+            surface.albedo = frame.ground.xyz;
+        }
+    }
+    surfaces[pixel_index(id)] = surface;
+}

@@ -1,0 +1,51 @@
+//! Shadow maps in z-partitions, for the effects that ask on a GPU whether the sun reaches a point.
+//!
+//! What the camera sees is split along its depth z into n partitions, z_i = l zn (zf / zn)^(i/n) + (1 - l) (zn + (zf - zn) i/n)
+//! with l = 0.7 (Zhang et al. 2006); each has an orthographic map across the light whose window is fitted to the partition and
+//! snapped to whole texels. Every map holds the sun-nearest caster of the whole scene: depth runs over the scene's bounds and
+//! is never clamped. A point is compared in the finest map that covers it. Maps are made for each point of the sun's disc.
+//!
+//! The reference traces exact shadows and has nothing to do here.
+
+use super::{Contribution, Decision, Effect, Kind, Knob, Pass, Resource};
+
+/// Shadow maps.
+pub const SHADOW: Effect = Effect {
+    name: "shadow",
+    summary: "z-partitioned shadow maps (GPU; the reference traces shadows)",
+    reads: &[],
+    writes: &[],
+    remembers: false,
+    knobs: &[
+        Knob {
+            name: "partitions",
+            meaning: "parts of the camera's depth, one map each",
+            values: [3.0, 4.0, 4.0, 4.0],
+            range: [1.0, 16.0],
+        },
+        Knob {
+            name: "resolution",
+            meaning: "side of each map in texels",
+            values: [1024.0, 2048.0, 4096.0, 4096.0],
+            range: [16.0, 16384.0],
+        },
+    ],
+    decide: |conditions| {
+        if !conditions.sun.shines() {
+            return Decision::nothing("the sun is below the horizon");
+        }
+        Decision::run("sunlight meets surfaces", Contribution::Everything)
+    },
+    reference: |_, _| Box::new(|_| {}),
+    passes: &[Pass {
+        shader: include_str!("../../shaders/shadow.wgsl"),
+        entry: "map",
+        kind: Kind::SunMaps,
+        uses: &[
+            Resource::Attributes,
+            Resource::MaterialOf,
+            Resource::Materials,
+            Resource::Texels,
+        ],
+    }],
+};

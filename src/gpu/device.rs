@@ -1,0 +1,266 @@
+//! A device and its queue: opened with everything that the adapter has, errors turned into ours, bytes counted.
+
+use super::adapters::{self, Adapter};
+use crate::error::{Error, Result};
+use std::sync::{Arc, Mutex, PoisonError};
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, DeviceDescriptor, ExperimentalFeatures, Features,
+    MapMode, MemoryHints, PollType, Trace,
+};
+
+/// Which adapter is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Choice {
+    /// One of hardware only.
+    Hardware,
+    /// The best that there is, of software too.
+    Any,
+}
+
+/// Bytes that were allocated and moved.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// In buffers and textures on the device.
+    pub allocated: u64,
+    /// To the device.
+    pub uploaded: u64,
+    /// From the device.
+    pub downloaded: u64,
+}
+
+/// An open device.
+pub struct Device {
+    /// What it runs on.
+    pub adapter: Adapter,
+    pub(super) device: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    limits: wgpu::Limits,
+    failure: Arc<Mutex<Option<Error>>>,
+    traffic: Mutex<Traffic>,
+}
+
+impl Device {
+    /// Opens the best adapter of a choice, with all its limits.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when there is none, or when the driver refuses; it says what to install or to use instead.
+    pub fn open(choice: Choice) -> Result<Self> {
+        let Some((handle, adapter)) = adapters::best(choice == Choice::Any) else {
+            let advice = adapters::report().advice.join("; ");
+            return Err(Error::failed(
+                "there is no graphics adapter that could be used",
+                format!("use `--backend reference`, or see `tyndall doctor`. {advice}"),
+            ));
+        };
+        let wanted = Features::TIMESTAMP_QUERY;
+        let limits = handle.limits();
+        let request = handle.request_device(&DeviceDescriptor {
+            label: Some("tyndall"),
+            required_features: handle.features() & wanted,
+            required_limits: limits.clone(),
+            experimental_features: ExperimentalFeatures::disabled(),
+            memory_hints: MemoryHints::default(),
+            trace: Trace::Off,
+        });
+        let (device, queue) = pollster::block_on(request).map_err(|error| {
+            Error::failed(
+                format!("the adapter {} could not be opened: {error}", adapter.name),
+                "use `--backend reference`, or update the graphics driver",
+            )
+        })?;
+        let failure = Arc::new(Mutex::new(None));
+        let first = failure.clone();
+        device.on_uncaptured_error(Arc::new(move |error| keep(&first, ours(error))));
+        let lost = failure.clone();
+        device.set_device_lost_callback(move |reason, text| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                keep(&lost, device_lost(&text));
+            }
+        });
+        Ok(Device {
+            adapter,
+            device,
+            queue,
+            limits,
+            failure,
+            traffic: Mutex::default(),
+        })
+    }
+
+    /// The first thing that went wrong on the device, if anything has.
+    ///
+    /// # Errors
+    /// That.
+    pub fn check(&self) -> Result<()> {
+        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.take().map_or(Ok(()), Err)
+    }
+
+    /// Bytes allocated and moved so far.
+    pub fn traffic(&self) -> Traffic {
+        *self.traffic.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn count(&self, add: impl FnOnce(&mut Traffic)) {
+        add(&mut self.traffic.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// The adapter's limits.
+    pub(super) fn limits(&self) -> &wgpu::Limits {
+        &self.limits
+    }
+
+    pub(super) fn timestamps(&self) -> bool {
+        self.device.features().contains(Features::TIMESTAMP_QUERY)
+    }
+
+    /// A buffer of at least one vector's size. `what` names it to the user when it is too large.
+    pub(super) fn buffer(&self, what: &str, bytes: u64, usage: BufferUsages) -> Result<Buffer> {
+        let size = bytes.max(64).next_multiple_of(16);
+        let most = if usage.contains(BufferUsages::STORAGE) {
+            self.limits
+                .max_storage_buffer_binding_size
+                .min(self.limits.max_buffer_size)
+        } else {
+            self.limits.max_buffer_size
+        };
+        if size > most {
+            return Err(Error::failed(
+                format!(
+                    "{what} need {} MiB, and {} takes {} MiB at once",
+                    size >> 20,
+                    self.adapter.name,
+                    most >> 20
+                ),
+                "use `--backend reference`, another adapter, or a smaller scene",
+            ));
+        }
+        self.count(|traffic| traffic.allocated += size);
+        Ok(self.device.create_buffer(&BufferDescriptor {
+            label: Some(what),
+            size,
+            usage,
+            mapped_at_creation: false,
+        }))
+    }
+
+    /// A buffer with contents.
+    pub(super) fn filled(&self, what: &str, bytes: &[u8], usage: BufferUsages) -> Result<Buffer> {
+        let buffer = self.buffer(what, bytes.len() as u64, usage | BufferUsages::COPY_DST)?;
+        self.write(&buffer, bytes);
+        Ok(buffer)
+    }
+
+    /// Writes to the start of a buffer.
+    pub(super) fn write(&self, buffer: &Buffer, bytes: &[u8]) {
+        self.count(|traffic| traffic.uploaded += bytes.len() as u64);
+        self.queue.write_buffer(buffer, 0, bytes);
+    }
+
+    /// Reads the first bytes of a buffer that can be mapped, once all that was submitted is done.
+    pub(super) fn read(&self, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>> {
+        let range = 0..bytes;
+        buffer.map_async(MapMode::Read, range.clone(), |_| {});
+        self.wait()?;
+        let view = buffer.get_mapped_range(range).map_err(|error| {
+            Error::failed(
+                format!(
+                    "nothing could be read back from {}: {error}",
+                    self.adapter.name
+                ),
+                "try again, or use `--backend reference`",
+            )
+        })?;
+        let copy = view.to_vec();
+        drop(view);
+        buffer.unmap();
+        self.count(|traffic| traffic.downloaded += bytes);
+        Ok(copy)
+    }
+
+    /// Waits for all that was submitted.
+    pub(super) fn wait(&self) -> Result<()> {
+        let polled = self.device.poll(PollType::wait_indefinitely());
+        self.check()?;
+        polled
+            .map(|_| ())
+            .map_err(|error| device_lost(&error.to_string()))
+    }
+}
+
+/// Keeps the first error: those after it are its consequences.
+fn keep(place: &Mutex<Option<Error>>, error: Error) {
+    place
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .get_or_insert(error);
+}
+
+fn device_lost(text: &str) -> Error {
+    Error::failed(
+        format!("the graphics device was lost ({})", text.trim()),
+        "try again; if it happens again, lower --size or --quality (the driver stops long work), update the driver, \
+         or use `--backend reference`",
+    )
+}
+
+/// An error of wgpu in our words.
+fn ours(error: wgpu::Error) -> Error {
+    match error {
+        wgpu::Error::OutOfMemory { .. } => Error::failed(
+            "the graphics device has no memory left",
+            "lower shadow.resolution with --set, leave effects out with --without, or use `--backend reference`",
+        ),
+        wgpu::Error::Validation { description, .. } => Error::failed(
+            format!(
+                "the graphics interface refused a command: {}",
+                plain(&description)
+            ),
+            "this is a defect of tyndall: please report it with the scene and the command, and use `--backend reference`",
+        ),
+        wgpu::Error::Internal { description, .. } => Error::failed(
+            format!("the graphics driver failed: {}", plain(&description)),
+            "update the graphics driver, or use `--backend reference`",
+        ),
+    }
+}
+
+/// A message of several lines, headed "Validation Error" and "Caused by", in one.
+fn plain(description: &str) -> String {
+    let lines = description.lines().map(str::trim);
+    lines
+        .filter(|line| !line.is_empty() && *line != "Validation Error" && *line != "Caused by:")
+        .collect::<Vec<_>>()
+        .join(": ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_unwrapped_for_users() {
+        let description = "Validation Error\n\nCaused by:\n  In Device::create_bind_group\n    Buffer is too large\n";
+        let error = ours(wgpu::Error::Validation {
+            source: "x".into(),
+            description: description.into(),
+        });
+        assert_eq!(
+            error.problem(),
+            "the graphics interface refused a command: In Device::create_bind_group: Buffer is too large"
+        );
+        assert!(!error.is_input());
+        let error = ours(wgpu::Error::OutOfMemory { source: "x".into() });
+        assert!(error.remedy().contains("shadow.resolution"));
+        assert!(device_lost("gone").remedy().contains("--backend reference"));
+    }
+
+    #[test]
+    fn the_first_error_is_kept() {
+        let place = Mutex::new(None);
+        keep(&place, Error::failed("first", ""));
+        keep(&place, Error::failed("second", ""));
+        let kept = place.into_inner().unwrap_or_else(PoisonError::into_inner);
+        assert_eq!(kept.map(|e| e.problem()).as_deref(), Some("first"));
+    }
+}

@@ -1,0 +1,274 @@
+//! Where the z-partitions' shadow maps look: fitted across the light, snapped to whole texels.
+
+use super::shared::{Light, PARTITIONS, PartitionMap};
+use crate::conditions::{Conditions, SunPoint};
+use crate::scene::Projection;
+use glam::{DVec2, DVec3, Vec4};
+
+/// Share of the logarithmic spacing in the split of the camera's depth; the rest is even.
+const LOGARITHMIC: f64 = 0.7;
+
+/// The farthest over the nearest depth that is split: what is nearer shares the first partition.
+const DEPTHS: f64 = 200.0;
+
+/// A rectangle across the light [m].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Window {
+    min: DVec2,
+    max: DVec2,
+}
+
+impl Window {
+    const EMPTY: Window = Window {
+        min: DVec2::INFINITY,
+        max: DVec2::NEG_INFINITY,
+    };
+
+    fn with(self, at: DVec2) -> Window {
+        Window {
+            min: self.min.min(at),
+            max: self.max.max(at),
+        }
+    }
+
+    fn within(self, other: &Window) -> Window {
+        Window {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.min.cmpgt(self.max).any()
+    }
+}
+
+/// The corners of the camera's view: where each corner's rays begin and what they do for a metre of depth.
+fn corner_rays(conditions: &Conditions) -> Vec<(DVec3, DVec3)> {
+    let [w, h] = conditions.size.map(f64::from);
+    let [_, _, forward] = conditions.camera.axes();
+    [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)]
+        .map(|(x, y)| {
+            let ray = conditions.camera.ray(DVec2::new(x, y), conditions.size);
+            (ray.origin, ray.direction / ray.direction.dot(forward))
+        })
+        .to_vec()
+}
+
+/// Depths at which the camera's view is split, from 0 on: the last is that of the farthest caster.
+fn splits(nearest: f64, farthest: f64, count: usize) -> Vec<f64> {
+    let near = nearest.max(farthest / DEPTHS);
+    (0..=count)
+        .map(|i| {
+            let f = i as f64 / count as f64;
+            let logarithmic = near * (farthest / near).powf(f);
+            let even = near + (farthest - near) * f;
+            match i {
+                0 => 0.0,
+                _ => LOGARITHMIC * logarithmic + (1.0 - LOGARITHMIC) * even,
+            }
+        })
+        .collect()
+}
+
+/// A light and its maps' windows. `resolution` is the maps' side [texels]; the finest map comes first.
+pub fn fit(
+    conditions: &Conditions,
+    casters: &[DVec3],
+    sun: &SunPoint,
+    partitions: usize,
+    resolution: u32,
+) -> Light {
+    let eye = conditions.camera.eye;
+    let geometry = &conditions.geometry;
+    let (low, high) = geometry.bounds();
+    let origin = 0.5 * (low + high);
+    let height = sun.toward;
+    let across = DVec3::Y.cross(height).try_normalize().unwrap_or(DVec3::X);
+    let along = height.cross(across);
+    let place = |p: DVec3| DVec2::new(across.dot(p - origin), along.dot(p - origin));
+
+    let mut all = Window::EMPTY;
+    let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for p in casters {
+        all = all.with(place(*p));
+        let h = height.dot(*p - origin);
+        (lowest, highest) = (lowest.min(h), highest.max(h));
+    }
+    if casters.is_empty() {
+        (all.min, all.max, lowest, highest) = (DVec2::ZERO, DVec2::ZERO, 0.0, 0.0);
+    }
+    // Flat things need room too; nothing may be clipped by rounding.
+    let slack = 1e-6 * geometry.extent().max(f64::MIN_POSITIVE);
+    all = Window {
+        min: all.min - slack,
+        max: all.max + slack,
+    };
+    (lowest, highest) = (lowest - slack, highest + slack);
+
+    let mut windows = views(conditions, place, (low, high), partitions);
+    windows.iter_mut().for_each(|w| *w = w.within(&all));
+    windows.retain(|w| !w.is_empty());
+    for window in &mut windows {
+        window.min -= slack;
+        window.max += slack;
+    }
+    let mut maps: Vec<PartitionMap> = windows.iter().map(|w| snapped(w, resolution)).collect();
+    let area = |map: &PartitionMap| map.texel.x * map.texel.y;
+    maps.sort_by(|a, b| area(a).total_cmp(&area(b)));
+    maps.dedup();
+    maps.truncate(PARTITIONS);
+
+    let plane = |axis: DVec3| {
+        let offset = axis.dot(eye - origin);
+        Vec4::from((axis.as_vec3(), offset as f32))
+    };
+    let mut light = Light {
+        toward: sun.toward.as_vec3(),
+        partitions: maps.len() as u32,
+        illuminance: sun.illuminance.as_vec3(),
+        resolution: resolution as f32,
+        across: plane(across),
+        along: plane(along),
+        height: plane(height),
+        casters: Vec4::new(
+            all.min.x as f32,
+            all.min.y as f32,
+            all.max.x as f32,
+            all.max.y as f32,
+        ),
+        heights: Vec4::new(lowest as f32, highest as f32, 0.0, 0.0),
+        ..Light::default()
+    };
+    light.maps[..maps.len()].copy_from_slice(&maps);
+    light
+}
+
+/// What each part of the view covers across the light; the last part has no far end.
+fn views(
+    conditions: &Conditions,
+    place: impl Fn(DVec3) -> DVec2,
+    (low, high): (DVec3, DVec3),
+    partitions: usize,
+) -> Vec<Window> {
+    let eye = conditions.camera.eye;
+    let corners = (0..8).map(|i| {
+        let pick = |bit: usize, a: f64, b: f64| if i & bit == 0 { a } else { b };
+        DVec3::new(
+            pick(1, low.x, high.x),
+            pick(2, low.y, high.y),
+            pick(4, low.z, high.z),
+        )
+    });
+    if conditions.camera.projection == Projection::Panorama {
+        // Nested squares around the eye.
+        let farthest = corners.map(|c| c.distance(eye)).fold(0.0, f64::max);
+        let depths = splits(0.0, farthest, partitions);
+        return depths[1..]
+            .iter()
+            .enumerate()
+            .map(|(i, depth)| {
+                let reach = if i + 1 == partitions {
+                    f64::INFINITY
+                } else {
+                    *depth
+                };
+                Window {
+                    min: place(eye) - reach,
+                    max: place(eye) + reach,
+                }
+            })
+            .collect();
+    }
+    let [_, _, forward] = conditions.camera.axes();
+    let depths: Vec<f64> = corners.map(|c| (c - eye).dot(forward)).collect();
+    let farthest = depths.iter().copied().fold(0.0, f64::max);
+    let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
+    let rays = corner_rays(conditions);
+    let cone = rays.iter().fold(Window::EMPTY, |window, (from, step)| {
+        let start = place(*from);
+        let move_ = place(*from + *step) - start;
+        let end = |m: f64, s: f64| match m {
+            m if m > 0.0 => f64::INFINITY,
+            m if m < 0.0 => f64::NEG_INFINITY,
+            _ => s,
+        };
+        let far = DVec2::new(end(move_.x, start.x), end(move_.y, start.y));
+        window.with(start).with(far)
+    });
+    if farthest <= 0.0 {
+        return vec![cone];
+    }
+    let splits = splits(nearest, farthest, partitions);
+    let slice = |from: f64, to: f64| {
+        rays.iter().fold(Window::EMPTY, |window, (origin, step)| {
+            window
+                .with(place(*origin + from * *step))
+                .with(place(*origin + to * *step))
+        })
+    };
+    let mut windows: Vec<Window> = splits
+        .windows(2)
+        .take(partitions - 1)
+        .map(|pair| slice(pair[0], pair[1]))
+        .collect();
+    windows.push(cone);
+    windows
+}
+
+/// The map that covers a window with two texels to spare: texel sizes come in steps of 2^(1/8), and windows begin at whole
+/// texels, so that a small change of the view moves the map by whole texels or not at all.
+fn snapped(window: &Window, resolution: u32) -> PartitionMap {
+    let size = (window.max - window.min) / (f64::from(resolution) - 4.0);
+    let step = |x: f64| {
+        (8.0 * x.max(f64::MIN_POSITIVE).log2())
+            .ceil()
+            .mul_add(0.125, 0.0)
+            .exp2()
+    };
+    let texel = DVec2::new(step(size.x), step(size.y)).as_vec2();
+    let least = ((window.min / texel.as_dvec2()).floor() - 1.0) * texel.as_dvec2();
+    PartitionMap {
+        least: least.as_vec2(),
+        texel,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splits_grow_from_nothing_to_the_farthest() {
+        let depths = splits(0.1, 100.0, 4);
+        assert_eq!(depths.len(), 5);
+        assert_eq!(depths[0], 0.0);
+        assert!((depths[4] - 100.0).abs() < 1e-9);
+        assert!(depths.windows(2).all(|d| d[1] > d[0]));
+    }
+
+    #[test]
+    fn a_snapped_map_covers_its_window_and_moves_by_whole_texels() {
+        let window = |shift: f64| Window {
+            min: DVec2::new(-3.7 + shift, 11.0),
+            max: DVec2::new(20.1 + shift, 12.5),
+        };
+        let still = snapped(&window(0.0), 512);
+        for shift in [0.0, 0.003, 0.5, 123.456] {
+            let w = window(shift);
+            let map = snapped(&w, 512);
+            let least = map.least.as_dvec2();
+            let most = least + 512.0 * map.texel.as_dvec2();
+            assert!(
+                least.cmple(w.min).all() && most.cmpge(w.max).all(),
+                "{shift}"
+            );
+            assert_eq!(map.texel, still.texel);
+            let texels = (map.least - still.least) / map.texel;
+            assert!(
+                (texels - texels.round()).abs().max_element() < 1e-2,
+                "{texels}"
+            );
+        }
+    }
+}

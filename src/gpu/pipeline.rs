@@ -1,0 +1,239 @@
+//! From a pass as data to pipelines and bind group layouts.
+
+use super::device::Device;
+use super::shared::COMMON;
+use crate::effect::{Kind, Pass, Resource};
+use wgpu::*;
+
+/// Layouts that all passes share, and what was compiled.
+pub struct Pipelines {
+    /// Frame, rays, media.
+    pub common: BindGroupLayout,
+    /// A light alone: to draw its maps.
+    pub light: BindGroupLayout,
+    /// A light and its maps: to ask them.
+    pub lit: BindGroupLayout,
+    /// Names of the pipelines that were compiled.
+    pub compiled: Vec<String>,
+}
+
+/// The pipelines of a raster pass.
+pub struct Raster {
+    pub solid: RenderPipeline,
+    /// For triangles with holes, if the scene has any.
+    pub cut_out: Option<RenderPipeline>,
+}
+
+const CORNER: [VertexAttribute; 1] = vertex_attr_array![0 => Float32x3];
+
+fn entry(binding: u32, visibility: ShaderStages, ty: BindingType) -> BindGroupLayoutEntry {
+    BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty,
+        count: None,
+    }
+}
+
+fn buffer(ty: BufferBindingType) -> BindingType {
+    BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    }
+}
+
+const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
+
+impl Pipelines {
+    pub fn new(device: &Device) -> Self {
+        let layout = |label, entries: &[BindGroupLayoutEntry]| {
+            device
+                .device
+                .create_bind_group_layout(&BindGroupLayoutDescriptor {
+                    label: Some(label),
+                    entries,
+                })
+        };
+        let all = ShaderStages::all() & (ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE);
+        let uniform = buffer(BufferBindingType::Uniform);
+        let maps = BindingType::Texture {
+            sample_type: TextureSampleType::Depth,
+            view_dimension: TextureViewDimension::D2Array,
+            multisampled: false,
+        };
+        Pipelines {
+            common: layout(
+                "frame, rays, media",
+                &[
+                    entry(0, all, uniform),
+                    entry(1, ShaderStages::COMPUTE, buffer(READ)),
+                    entry(2, ShaderStages::COMPUTE, buffer(READ)),
+                ],
+            ),
+            light: layout("light", &[entry(0, all, uniform)]),
+            lit: layout(
+                "light and maps",
+                &[
+                    entry(0, all, uniform),
+                    entry(1, ShaderStages::COMPUTE, maps),
+                ],
+            ),
+            compiled: Vec::new(),
+        }
+    }
+
+    /// The layout of a pass's own bind group.
+    pub fn own(&self, device: &Device, pass: &Pass) -> BindGroupLayout {
+        let stages = match pass.kind {
+            Kind::Picture | Kind::SunMaps => ShaderStages::VERTEX_FRAGMENT,
+            _ => ShaderStages::COMPUTE,
+        };
+        let entries: Vec<_> = pass
+            .uses
+            .iter()
+            .zip(0..)
+            .map(|(resource, binding)| {
+                let ty = match resource {
+                    Resource::Update(_) | Resource::Each => {
+                        buffer(BufferBindingType::Storage { read_only: false })
+                    }
+                    Resource::Numbers => BindingType::Texture {
+                        sample_type: TextureSampleType::Uint,
+                        view_dimension: TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                    _ => buffer(READ),
+                };
+                entry(binding, stages, ty)
+            })
+            .collect();
+        device
+            .device
+            .create_bind_group_layout(&BindGroupLayoutDescriptor {
+                label: Some(pass.entry),
+                entries: &entries,
+            })
+    }
+
+    fn module(&self, device: &Device, label: &str, pass: &Pass) -> ShaderModule {
+        let source = format!("{COMMON}{}", pass.shader);
+        device.device.create_shader_module(ShaderModuleDescriptor {
+            label: Some(label),
+            source: ShaderSource::Wgsl(source.into()),
+        })
+    }
+
+    fn layout(
+        &self,
+        device: &Device,
+        label: &str,
+        pass: &Pass,
+        own: &BindGroupLayout,
+    ) -> PipelineLayout {
+        let third = match pass.kind {
+            Kind::EachSun(_) => Some(&self.lit),
+            Kind::SunMaps => Some(&self.light),
+            _ => None,
+        };
+        let mut groups = vec![Some(&self.common), Some(own)];
+        groups.extend(third.map(Some));
+        device
+            .device
+            .create_pipeline_layout(&PipelineLayoutDescriptor {
+                label: Some(label),
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            })
+    }
+
+    /// Compiles a compute pass.
+    pub fn compute(
+        &mut self,
+        device: &Device,
+        effect: &str,
+        pass: &Pass,
+        own: &BindGroupLayout,
+    ) -> ComputePipeline {
+        let label = format!("{effect}.{}", pass.entry);
+        let pipeline = device
+            .device
+            .create_compute_pipeline(&ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&self.layout(device, &label, pass, own)),
+                module: &self.module(device, &label, pass),
+                entry_point: Some(pass.entry),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+        self.compiled.push(label);
+        pipeline
+    }
+
+    /// Compiles a raster pass.
+    pub fn raster(
+        &mut self,
+        device: &Device,
+        effect: &str,
+        pass: &Pass,
+        own: &BindGroupLayout,
+        holes: bool,
+    ) -> Raster {
+        let label = format!("{effect}.{}", pass.entry);
+        let module = self.module(device, &label, pass);
+        let layout = self.layout(device, &label, pass, own);
+        let targets = [Some(ColorTargetState {
+            format: TextureFormat::R32Uint,
+            blend: None,
+            write_mask: ColorWrites::ALL,
+        })];
+        let (targets, compare): (&[_], _) = match pass.kind {
+            // The camera's depth is reversed.
+            Kind::Picture => (&targets, CompareFunction::Greater),
+            _ => (&[], CompareFunction::Less),
+        };
+        let mut pipeline = |infix: &str, paints: bool| {
+            let vertex = format!("{}{infix}_vertex", pass.entry);
+            let fragment = format!("{}{infix}_fragment", pass.entry);
+            self.compiled.push(format!("{label}{infix}"));
+            device
+                .device
+                .create_render_pipeline(&RenderPipelineDescriptor {
+                    label: Some(&label),
+                    layout: Some(&layout),
+                    vertex: VertexState {
+                        module: &module,
+                        entry_point: Some(&vertex),
+                        compilation_options: Default::default(),
+                        buffers: &[Some(VertexBufferLayout {
+                            array_stride: 12,
+                            step_mode: VertexStepMode::Vertex,
+                            attributes: &CORNER,
+                        })],
+                    },
+                    // Both sides of a triangle are there.
+                    primitive: PrimitiveState::default(),
+                    depth_stencil: Some(DepthStencilState {
+                        format: TextureFormat::Depth32Float,
+                        depth_write_enabled: Some(true),
+                        depth_compare: Some(compare),
+                        stencil: Default::default(),
+                        bias: Default::default(),
+                    }),
+                    multisample: Default::default(),
+                    fragment: paints.then_some(FragmentState {
+                        module: &module,
+                        entry_point: Some(&fragment),
+                        compilation_options: Default::default(),
+                        targets,
+                    }),
+                    multiview_mask: None,
+                    cache: None,
+                })
+        };
+        Raster {
+            solid: pipeline("", pass.kind == Kind::Picture),
+            cut_out: holes.then(|| pipeline("_cut", true)),
+        }
+    }
+}

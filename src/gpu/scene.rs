@@ -1,0 +1,223 @@
+//! The scene as the shaders read it: triangles relative to the eye, materials, texels, media.
+
+use super::device::Device;
+use super::shared::{self, Attributes, Material};
+use crate::conditions::Conditions;
+use crate::effect::Resource;
+use crate::error::Result;
+use crate::medium::{Phase, Shape};
+use crate::scene::Wrap;
+use glam::{DVec3, UVec2, Vec3};
+use std::collections::BTreeMap;
+use wgpu::{Buffer, BufferUsages};
+
+/// Which triangles are drawn, and in which order: the solid ones first.
+pub struct Triangles {
+    /// Numbers in the scene.
+    pub numbers: Vec<u32>,
+    /// How many of them have no holes.
+    pub solid: u32,
+    /// Least solid alpha of those with holes.
+    least_alpha: Vec<Option<f64>>,
+}
+
+impl Triangles {
+    pub fn new(conditions: &Conditions) -> Self {
+        let (mut cut_out, solid): (Vec<_>, Vec<_>) = conditions
+            .geometry
+            .casters()
+            .partition(|(_, least)| least.is_some());
+        let count = solid.len() as u32;
+        let mut all = solid;
+        all.append(&mut cut_out);
+        Triangles {
+            numbers: all.iter().map(|(number, _)| *number).collect(),
+            solid: count,
+            least_alpha: all.iter().map(|(_, least)| *least).collect(),
+        }
+    }
+
+    /// Corners of all of them [m], scene axes.
+    pub fn corners(&self, conditions: &Conditions) -> Vec<DVec3> {
+        let mesh = &conditions.scene.mesh;
+        self.numbers
+            .iter()
+            .flat_map(|n| mesh.triangles[*n as usize].vertices)
+            .map(|v| mesh.positions[v as usize])
+            .collect()
+    }
+}
+
+/// Buffers made when a pass first names them.
+#[derive(Default)]
+pub struct SceneBuffers {
+    made: BTreeMap<&'static str, Buffer>,
+}
+
+impl SceneBuffers {
+    /// A buffer of the scene.
+    pub fn get(
+        &mut self,
+        device: &Device,
+        conditions: &Conditions,
+        triangles: &Triangles,
+        resource: &Resource,
+    ) -> Result<Option<Buffer>> {
+        let name = match resource {
+            Resource::Corners => "the scene's triangles",
+            Resource::Attributes => "normals and texture coordinates",
+            Resource::MaterialOf => "the triangles' materials",
+            Resource::Materials => "the materials",
+            Resource::Texels => "the textures",
+            _ => return Ok(None),
+        };
+        if let Some(buffer) = self.made.get(name) {
+            return Ok(Some(buffer.clone()));
+        }
+        let bytes = match resource {
+            Resource::Corners => corners(conditions, triangles),
+            Resource::Attributes => shared::list(&attributes(conditions, triangles)),
+            Resource::MaterialOf => {
+                bytemuck::cast_slice(&material_of(conditions, triangles)).to_vec()
+            }
+            Resource::Materials => shared::list(&materials(conditions, triangles)),
+            _ => bytemuck::cast_slice(&texels(conditions)).to_vec(),
+        };
+        let mut usage = BufferUsages::STORAGE;
+        if matches!(resource, Resource::Corners) {
+            usage |= BufferUsages::VERTEX;
+        }
+        let buffer = device.filled(name, &bytes, usage)?;
+        self.made.insert(name, buffer.clone());
+        Ok(Some(buffer))
+    }
+}
+
+fn corners(conditions: &Conditions, triangles: &Triangles) -> Vec<u8> {
+    let eye = conditions.camera.eye;
+    let relative: Vec<[f32; 3]> = triangles
+        .corners(conditions)
+        .iter()
+        .map(|p| (*p - eye).as_vec3().to_array())
+        .collect();
+    bytemuck::cast_slice(&relative).to_vec()
+}
+
+fn attributes(conditions: &Conditions, triangles: &Triangles) -> Vec<Attributes> {
+    let mesh = &conditions.scene.mesh;
+    triangles
+        .numbers
+        .iter()
+        .flat_map(|n| mesh.triangles[*n as usize].vertices)
+        .map(|v| {
+            let v = v as usize;
+            Attributes {
+                normal: mesh.normals[v].as_vec3(),
+                u: mesh.uvs[v].x as f32,
+                color: mesh.colors.get(v).map_or(Vec3::ONE, |c| c.as_vec3()),
+                v: mesh.uvs[v].y as f32,
+            }
+        })
+        .collect()
+}
+
+fn material_of(conditions: &Conditions, triangles: &Triangles) -> Vec<u32> {
+    let mesh = &conditions.scene.mesh;
+    let number = |n: &u32| mesh.triangles[*n as usize].material;
+    triangles.numbers.iter().map(number).collect()
+}
+
+fn materials(conditions: &Conditions, triangles: &Triangles) -> Vec<Material> {
+    let scene = &conditions.scene;
+    let mut first = Vec::with_capacity(scene.textures.len());
+    let mut texels = 0;
+    for texture in &scene.textures {
+        first.push(texels);
+        texels += texture.pixels.len() as u32;
+    }
+    let wrap = |wrap: Wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::Mirror => 1,
+        Wrap::Clamp => 2,
+    };
+    let mut materials: Vec<Material> = scene
+        .materials
+        .iter()
+        .map(|material| {
+            let mut shared = Material {
+                color: material.base_color.as_vec3(),
+                least_alpha: -1.0,
+                ..Material::default()
+            };
+            if let Some(index) = material.texture {
+                let texture = &scene.textures[index];
+                shared.texel = first[index];
+                shared.size = UVec2::new(texture.width, texture.height);
+                shared.wrap = UVec2::from(texture.wrap.map(wrap));
+            }
+            shared
+        })
+        .collect();
+    for (number, least) in triangles.numbers.iter().zip(&triangles.least_alpha) {
+        if let Some(least) = least {
+            let material = scene.mesh.triangles[*number as usize].material;
+            materials[material as usize].least_alpha = *least as f32;
+        }
+    }
+    materials
+}
+
+fn texels(conditions: &Conditions) -> Vec<u32> {
+    let textures = conditions.scene.textures.iter();
+    textures
+        .flat_map(|texture| texture.pixels.iter().map(|p| u32::from_le_bytes(*p)))
+        .collect()
+}
+
+/// The media, relative to the eye.
+pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
+    let eye = conditions.camera.eye;
+    let air = &conditions.air;
+    air.media
+        .iter()
+        .map(|medium| {
+            let (phase, g) = match medium.phase {
+                Phase::Isotropic => (0, 0.0),
+                Phase::Rayleigh => (1, 0.0),
+                Phase::HenyeyGreenstein { g } => (2, g),
+                Phase::CornetteShanks { g } => (3, g),
+                Phase::NishitaHazy => (4, 0.0),
+                Phase::NishitaMurky => (5, 0.0),
+            };
+            let mut shared = shared::Medium {
+                scattering: medium.scattering.as_vec3(),
+                extinction: medium.extinction().as_vec3(),
+                phase,
+                g: g as f32,
+                ..shared::Medium::default()
+            };
+            match medium.shape {
+                Shape::Box { min, max } => {
+                    shared.least = (min - eye).as_vec3();
+                    shared.greatest = (max - eye).as_vec3();
+                }
+                Shape::Haze { top } => {
+                    shared.shape = 1;
+                    shared.least.y = (air.ground - eye.y) as f32;
+                    shared.greatest.y = (top - eye.y) as f32;
+                }
+                Shape::Height {
+                    base,
+                    scale_height,
+                    far,
+                } => {
+                    shared.shape = 2;
+                    shared.start = ((eye.y - base) / scale_height) as f32;
+                    shared.scale_height = scale_height as f32;
+                    shared.far = far as f32;
+                }
+            }
+            shared
+        })
+        .collect()
+}

@@ -1,0 +1,267 @@
+//! What Rust and the shaders share: the structs, declared once here and compared with the shaders' by a test, and the
+//! shaders' common text.
+
+use encase::{ShaderType, internal::WriteInto};
+use glam::{Mat3, UVec2, Vec2, Vec3, Vec4};
+
+/// What is read before every shader.
+pub const COMMON: &str = concat!(
+    include_str!("../../shaders/common/frame.wgsl"),
+    include_str!("../../shaders/common/light.wgsl"),
+    include_str!("../../shaders/common/media.wgsl"),
+);
+
+/// The most partitions that a light has.
+pub const PARTITIONS: usize = 16;
+
+/// `Frame` of shaders/common/frame.wgsl.
+#[derive(Debug, Clone, Copy, Default, ShaderType)]
+pub struct Frame {
+    pub tile: UVec2,
+    pub extent: UVec2,
+    pub right: Vec3,
+    pub projection: u32,
+    pub up: Vec3,
+    pub media: u32,
+    pub forward: Vec3,
+    pub grounded: u32,
+    pub project: Vec4,
+    pub ground: Vec4,
+    pub depth: f32,
+    pub origin: Vec3,
+    pub origin_right: Vec3,
+    pub origin_down: Vec3,
+    pub working_from_rec709: Mat3,
+}
+
+/// `Attributes` of shaders/common/frame.wgsl.
+#[derive(Debug, Clone, Copy, Default, ShaderType)]
+pub struct Attributes {
+    pub normal: Vec3,
+    pub u: f32,
+    pub color: Vec3,
+    pub v: f32,
+}
+
+/// `Material` of shaders/common/frame.wgsl.
+#[derive(Debug, Clone, Copy, Default, ShaderType)]
+pub struct Material {
+    pub color: Vec3,
+    pub least_alpha: f32,
+    pub texel: u32,
+    pub size: UVec2,
+    pub wrap: UVec2,
+}
+
+/// `Surface` of shaders/common/frame.wgsl.
+#[derive(Debug, Clone, Copy, Default, ShaderType)]
+pub struct Surface {
+    pub normal: Vec3,
+    pub distance: f32,
+    pub facet: Vec3,
+    pub number: u32,
+    pub albedo: Vec3,
+}
+
+/// Size of a [`Surface`].
+pub const SURFACE_BYTES: u64 = <Surface as encase::ShaderSize>::SHADER_SIZE.get();
+
+/// `Medium` of shaders/common/media.wgsl.
+#[derive(Debug, Clone, Copy, Default, ShaderType)]
+pub struct Medium {
+    pub scattering: Vec3,
+    pub shape: u32,
+    pub extinction: Vec3,
+    pub phase: u32,
+    pub least: Vec3,
+    pub g: f32,
+    pub greatest: Vec3,
+    pub start: f32,
+    pub scale_height: f32,
+    pub far: f32,
+}
+
+/// `PartitionMap` of shaders/common/light.wgsl.
+#[derive(Debug, Clone, Copy, Default, PartialEq, ShaderType)]
+pub struct PartitionMap {
+    pub least: Vec2,
+    pub texel: Vec2,
+}
+
+/// `Light` of shaders/common/light.wgsl.
+#[derive(Debug, Clone, Copy, Default, ShaderType)]
+pub struct Light {
+    pub toward: Vec3,
+    pub partitions: u32,
+    pub illuminance: Vec3,
+    pub resolution: f32,
+    pub across: Vec4,
+    pub along: Vec4,
+    pub height: Vec4,
+    pub casters: Vec4,
+    pub heights: Vec4,
+    pub maps: [PartitionMap; PARTITIONS],
+}
+
+/// The bytes of a uniform.
+pub fn uniform<T: ShaderType + WriteInto>(value: &T) -> Vec<u8> {
+    let mut buffer = encase::UniformBuffer::new(Vec::new());
+    buffer
+        .write(value)
+        .expect("a vector takes as many bytes as it is given");
+    buffer.into_inner()
+}
+
+/// The bytes of a list.
+pub fn list<T: ShaderType + encase::ShaderSize + WriteInto>(values: &[T]) -> Vec<u8> {
+    let mut buffer = encase::StorageBuffer::new(Vec::new());
+    buffer
+        .write(values)
+        .expect("a vector takes as many bytes as it is given");
+    buffer.into_inner()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::naga::{TypeInner, front::wgsl};
+
+    /// Names, offsets and size of a struct of the shaders.
+    fn reflected(source: &str, name: &str) -> (Vec<(String, u64)>, u64) {
+        let module = wgsl::parse_str(source).expect("the common text is WGSL");
+        let (_, found) = module
+            .types
+            .iter()
+            .find(|(_, t)| t.name.as_deref() == Some(name))
+            .expect("the shaders have this struct");
+        let TypeInner::Struct { members, span } = &found.inner else {
+            panic!("{name} is a struct");
+        };
+        let members = members
+            .iter()
+            .map(|m| (m.name.clone().unwrap_or_default(), u64::from(m.offset)))
+            .collect();
+        (members, u64::from(*span))
+    }
+
+    macro_rules! same {
+        ($source:expr, $name:ident { $($field:ident),* }) => {{
+            let names = [$(stringify!($field)),*];
+            let ours: Vec<(String, u64)> = names
+                .iter()
+                .enumerate()
+                .map(|(i, n)| (n.to_string(), $name::METADATA.offset(i)))
+                .collect();
+            let size = <$name as encase::ShaderSize>::SHADER_SIZE.get();
+            // The list above has every field, in order: a missing one does not compile.
+            let $name { $($field: _),* } = $name::default();
+            (ours, size) == reflected($source, stringify!($name))
+        }};
+    }
+
+    #[test]
+    fn structs_lie_alike_on_both_sides() {
+        assert!(same!(
+            COMMON,
+            Frame {
+                tile,
+                extent,
+                right,
+                projection,
+                up,
+                media,
+                forward,
+                grounded,
+                project,
+                ground,
+                depth,
+                origin,
+                origin_right,
+                origin_down,
+                working_from_rec709
+            }
+        ));
+        assert!(same!(
+            COMMON,
+            Attributes {
+                normal,
+                u,
+                color,
+                v
+            }
+        ));
+        assert!(same!(
+            COMMON,
+            Material {
+                color,
+                least_alpha,
+                texel,
+                size,
+                wrap
+            }
+        ));
+        assert!(same!(
+            COMMON,
+            Surface {
+                normal,
+                distance,
+                facet,
+                number,
+                albedo
+            }
+        ));
+        assert!(same!(
+            COMMON,
+            Medium {
+                scattering,
+                shape,
+                extinction,
+                phase,
+                least,
+                g,
+                greatest,
+                start,
+                scale_height,
+                far
+            }
+        ));
+        assert!(same!(COMMON, PartitionMap { least, texel }));
+        assert!(same!(
+            COMMON,
+            Light {
+                toward,
+                partitions,
+                illuminance,
+                resolution,
+                across,
+                along,
+                height,
+                casters,
+                heights,
+                maps
+            }
+        ));
+        let moved = COMMON.replace("depth: f32,\n", "depth: vec2f,\n");
+        assert_ne!(moved, COMMON);
+        assert!(!same!(
+            &moved,
+            Frame {
+                tile,
+                extent,
+                right,
+                projection,
+                up,
+                media,
+                forward,
+                grounded,
+                project,
+                ground,
+                depth,
+                origin,
+                origin_right,
+                origin_down,
+                working_from_rec709
+            }
+        ));
+    }
+}
