@@ -478,7 +478,7 @@ fn date_labels(drawing: &mut Drawing, year: &Year, project: &dyn Fn(Sky) -> [f64
 
 fn legend(drawing: &mut Drawing, year: &Year) {
     let [march, june, september, december] = year.turns;
-    let mut x = 850.0;
+    let mut x = 800.0;
     let mut entry = |width: f64, color: Color, dash: Option<[f64; 2]>, text: String| {
         drawing.line(vec![[x, 128.0], [x + 46.0, 128.0]], width, color, dash);
         drawing.text([x + 54.0, 128.0], 14.0, Anchor::Start, INK, text.clone());

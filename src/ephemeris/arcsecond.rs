@@ -186,7 +186,7 @@ fn nutation(t: f64) -> (f64, f64, f64) {
             .zip(arguments)
             .map(|(&n, x)| f64::from(n) * x)
             .sum();
-        let (sin, cos) = sin_cos(angle);
+        let [(sin, cos)] = sin_cos([angle]);
         d_psi += (ps + pst * t) * sin + pc * cos;
         d_eps += (ec + ect * t) * cos + es * sin;
     }

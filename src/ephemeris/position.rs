@@ -129,8 +129,7 @@ pub(super) fn observe(
 
     let nearness = 1.0 / place.distance_au;
     // Axes of the meridian: outward in the equator's plane, east, and north along the earth's axis.
-    let (sin_h, cos_h) = sin_cos(hour_angle);
-    let (sin_d, cos_d) = sin_cos(place.declination);
+    let [(sin_h, cos_h), (sin_d, cos_d)] = sin_cos([hour_angle, place.declination]);
     let radii = if tier == Tier::Day {
         0.0
     } else {

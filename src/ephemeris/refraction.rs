@@ -29,7 +29,7 @@ pub fn refraction(elevation_true: f64, air: &Air) -> f64 {
     }
     let argument = (e + 10.3 / (e + 5.11)) * DEG;
     // 1 / tan as cos / sin: it passes through zero at 90 degrees.
-    let (sin, cos) = sin_cos(argument);
+    let [(sin, cos)] = sin_cos([argument]);
     air.density * 1.02 / 60.0 * DEG * cos / sin
 }
 

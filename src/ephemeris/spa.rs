@@ -52,7 +52,7 @@ pub(super) fn nutation(t: f64) -> (f64, f64) {
             .zip(arguments)
             .map(|(&n, x)| f64::from(n) * x)
             .sum();
-        let (sin, cos) = sin_cos(angle);
+        let [(sin, cos)] = sin_cos([angle]);
         d_psi += (a + b * t) * sin;
         d_eps += (c + d * t) * cos;
     }
