@@ -24,6 +24,7 @@ mod spa;
 mod spa_terms;
 mod time;
 mod vsop87;
+mod written;
 
 pub use almanac::Almanac;
 pub use delta_t::delta_t;

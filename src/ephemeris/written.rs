@@ -1,0 +1,207 @@
+//! How dates, times of day, offsets and Julian dates are written.
+
+use chrono::{DateTime, Datelike, NaiveDate, NaiveDateTime, NaiveTime, Timelike, Utc};
+
+use super::civil::date_alone;
+use super::time::Julian;
+use crate::error::{Error, Result};
+
+/// A date, a time of day and perhaps an offset.
+pub(super) struct Written {
+    pub local: NaiveDateTime,
+    pub offset: Option<WrittenOffset>,
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct WrittenOffset {
+    pub seconds: i32,
+    /// `Z`: universal time, of which the local offset is not known (RFC 9557), so that it contradicts no zone.
+    pub zulu: bool,
+}
+
+pub(super) fn bad_time(text: &str, problem: &str) -> Error {
+    bad_remedy(
+        text,
+        problem,
+        "write a time as in 2026-06-21T18:30:00+02:00, 2026-06-21T18:30, JD2451545.0 or now",
+    )
+}
+
+pub(super) fn bad_remedy(text: &str, problem: &str, remedy: &str) -> Error {
+    Error::input("the time", format!("`{text}` {problem}"), remedy)
+}
+
+/// `DATE T TIME [OFFSET]`.
+pub(super) fn parse(text: &str) -> Result<Written> {
+    let Some((date, rest)) = text.split_once(['T', 't', ' ']) else {
+        let problem = if date_alone(text)?.is_some() {
+            "has no time of day"
+        } else {
+            "is no date and time"
+        };
+        return Err(bad_time(text, problem));
+    };
+    let date = parse_date(date, text)?;
+    let rest = rest.trim();
+    let (clock, offset) = match rest.find(['Z', 'z', '+', '-']) {
+        Some(at) => (
+            rest[..at].trim_end(),
+            Some(parse_offset(&rest[at..], text)?),
+        ),
+        None => (rest, None),
+    };
+    Ok(Written {
+        local: date.and_time(parse_clock(clock, text)?),
+        offset,
+    })
+}
+
+/// `[+-]YEAR-MM-DD`, proleptic Gregorian; a year without sign has four digits.
+pub(super) fn parse_date(date: &str, text: &str) -> Result<NaiveDate> {
+    let form = || bad_time(text, "is no date and time");
+    let (negative, unsigned) = match date.as_bytes().first() {
+        Some(b'-') => (true, &date[1..]),
+        Some(b'+') => (false, &date[1..]),
+        _ => (false, date),
+    };
+    let parts: Vec<&str> = unsigned.split('-').collect();
+    let [year, month, day] = parts[..] else {
+        return Err(form());
+    };
+    let digits = |s: &str, least: usize, most: usize| {
+        ((least..=most).contains(&s.len()) && s.bytes().all(|b| b.is_ascii_digit()))
+            .then(|| s.parse::<i32>().ok())
+            .flatten()
+    };
+    let least = if unsigned.len() == date.len() { 4 } else { 1 };
+    let year = digits(year, least, 6).ok_or_else(form)?;
+    let year = if negative { -year } else { year };
+    let month = digits(month, 2, 2).ok_or_else(form)?;
+    let day = digits(day, 2, 2).ok_or_else(form)?;
+    NaiveDate::from_ymd_opt(year, month as u32, day as u32).ok_or_else(|| {
+        let problem = match last_day(year, month as u32) {
+            Some(last) => format!("is impossible: month {month} of {year} has {last} days"),
+            None => format!("is impossible: there is no month {month}"),
+        };
+        bad_time(text, &problem)
+    })
+}
+
+pub(super) fn last_day(year: i32, month: u32) -> Option<u32> {
+    let first = NaiveDate::from_ymd_opt(year, month, 1)?;
+    Some(
+        (28..=31)
+            .rev()
+            .find(|&day| first.with_day(day).is_some())
+            .unwrap_or(28),
+    )
+}
+
+/// `HH:MM[:SS[.fraction]]`; second 60 is chrono's leap second.
+pub(super) fn parse_clock(clock: &str, text: &str) -> Result<NaiveTime> {
+    let form = || bad_time(text, "has no time of day of the form HH:MM:SS");
+    let parts: Vec<&str> = clock.split(':').collect();
+    if !(2..=3).contains(&parts.len()) {
+        return Err(form());
+    }
+    let two = |s: &str| {
+        (s.len() == 2 && s.bytes().all(|b| b.is_ascii_digit()))
+            .then(|| s.parse::<u32>().ok())
+            .flatten()
+    };
+    let hour = two(parts[0]).ok_or_else(form)?;
+    let minute = two(parts[1]).ok_or_else(form)?;
+    let (second, nanos) = match parts.get(2) {
+        None => (0, 0),
+        Some(seconds) => {
+            let (whole, fraction) = seconds.split_once(['.', ',']).unwrap_or((seconds, "0"));
+            if fraction.is_empty() || !fraction.bytes().all(|b| b.is_ascii_digit()) {
+                return Err(form());
+            }
+            let nanos = format!("{fraction:0<9}")[..9]
+                .parse::<u32>()
+                .map_err(|_| form())?;
+            (two(whole).ok_or_else(form)?, nanos)
+        }
+    };
+    let time = if second == 60 && minute == 59 {
+        NaiveTime::from_hms_nano_opt(hour, minute, 59, 1_000_000_000 + nanos)
+    } else {
+        NaiveTime::from_hms_nano_opt(hour, minute, second, nanos)
+    };
+    time.ok_or_else(|| {
+        bad_time(
+            text,
+            "is impossible: hours run to 23, minutes and seconds to 59",
+        )
+    })
+}
+
+/// Leap seconds end a day (or a month) of UTC.
+pub(super) fn check_leap_second(text: &str, utc: DateTime<Utc>) -> Result<()> {
+    if utc.nanosecond() >= 1_000_000_000 && (utc.hour(), utc.minute()) != (23, 59) {
+        return Err(bad_time(
+            text,
+            "has a second 60, which only 23:59 UTC can have",
+        ));
+    }
+    Ok(())
+}
+
+/// `Z`, `+HH:MM`, `+HHMM`, `+HH` or `+HH:MM:SS`.
+pub(super) fn parse_offset(offset: &str, text: &str) -> Result<WrittenOffset> {
+    if offset.eq_ignore_ascii_case("z") {
+        return Ok(WrittenOffset {
+            seconds: 0,
+            zulu: true,
+        });
+    }
+    let form = || bad_time(text, "has an offset that is not of the form +HH:MM");
+    let sign = if offset.starts_with('-') { -1 } else { 1 };
+    let body = offset.get(1..).ok_or_else(form)?;
+    let digits: String = body.chars().filter(|&c| c != ':').collect();
+    let colons_right = body.len() == digits.len() || body.split(':').all(|part| part.len() == 2);
+    if !offset.starts_with(['+', '-'])
+        || !colons_right
+        || !digits.bytes().all(|b| b.is_ascii_digit())
+        || ![2, 4, 6].contains(&digits.len())
+    {
+        return Err(form());
+    }
+    let at = |i: usize| {
+        digits
+            .get(i..i + 2)
+            .map_or(0, |s| s.parse::<i32>().unwrap_or(0))
+    };
+    let (hours, minutes, seconds) = (at(0), at(2), at(4));
+    if hours > 25 || minutes > 59 || seconds > 59 {
+        return Err(bad_time(text, "has an impossible offset"));
+    }
+    Ok(WrittenOffset {
+        seconds: sign * (hours * 3600 + minutes * 60 + seconds),
+        zulu: false,
+    })
+}
+
+/// The digits of `JD2451545.0`.
+pub(super) fn julian_digits(text: &str) -> Option<&str> {
+    let prefix = text.get(..2)?;
+    prefix.eq_ignore_ascii_case("jd").then(|| text[2..].trim())
+}
+
+/// A Julian date from its digits; whole days and fraction are read apart, so that no digit is lost.
+pub(super) fn julian_date(text: &str, digits: &str) -> Result<Julian> {
+    let form = || bad_time(text, "is no Julian date");
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let decimal = |s: &str| s.bytes().all(|b| b.is_ascii_digit());
+    let unsigned = whole.strip_prefix(['-', '+']).unwrap_or(whole);
+    if unsigned.is_empty() || !decimal(unsigned) || !decimal(fraction) {
+        return Err(form());
+    }
+    let day: f64 = whole.parse().map_err(|_| form())?;
+    let part: f64 = format!("0.{fraction}0").parse().map_err(|_| form())?;
+    Ok(Julian::new(
+        day,
+        if whole.starts_with('-') { -part } else { part },
+    ))
+}
