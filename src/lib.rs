@@ -1,4 +1,61 @@
-//! tyndall: an outdoor sky and light-shaft simulator.
+//! tyndall says where the sun stands, what the sky looks like and what light does in the air, in physical units.
+//!
+//! # The story
+//!
+//! A [`Scene`](scene::Scene) is what the user says: triangles, materials, a camera, a place and a time, media.
+//! [`Conditions`](conditions::Conditions) are what physics makes of it: the sun's place and light, the sky, the air, all inside the
+//! domains of their equations. A [`Plan`](plan::Plan) asks every [`Effect`](effect::Effect) whether the scene calls for it, why,
+//! and what would be missing without it. A backend runs the plan: the [`Reference`](reference::Reference) in f64 on the CPU, exact
+//! and slow, or the [`gpu`]. What comes out is a [`Frame`](frame::Frame): layers in cd/m2 and the record of how they came about,
+//! which [`output`] writes to files.
+//!
+//! ```
+//! use tyndall::conditions::{Conditions, Request};
+//! use tyndall::plan::{Overrules, Plan};
+//! use tyndall::reference::Reference;
+//! use tyndall::scene::Scene;
+//!
+//! # fn main() -> tyndall::Result<()> {
+//! let scene = Scene::builtin("nave")?;
+//! let request = Request { size: Some([24, 15]), samples: Some(1), ..Request::default() };
+//! let conditions = Conditions::new(scene, &request)?;
+//! let plan = Plan::new(&conditions, &Overrules::default())?;
+//! let picture = Reference::new(&plan).render(1 << 30, &|share| eprintln!("{:.0} %", 100.0 * share))?;
+//! assert!(picture.frame.layer("inscatter_sun").is_some(), "there are light shafts in it");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Where things are
+//!
+//! A module uses only what stands before it here; a test reads the `use` lines and fails otherwise.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`units`], [`error`] | the unit rule; one error: what was wrong, where, the valid range, what to do |
+//! | [`colour`] | spectra, CIE 1931, RGB spaces, exposure, display transform |
+//! | [`ephemeris`] | where the sun is, at four prices; times and zones as people write them |
+//! | [`sky`] | sky models, twilight, the sun's light, dome patches |
+//! | [`medium`] | phase functions, densities, optical depth and its integrals |
+//! | [`scene`] | geometry, materials, cameras, loading, what stands in the way of light |
+//! | [`frame`] | what a backend makes |
+//! | [`conditions`] | scene and time become physics; the one place where domains are checked |
+//! | [`effect`] | one file an effect: equations, decision, reference, passes |
+//! | [`plan`] | which effects run, and why not the others |
+//! | [`reference`], [`gpu`] | the backends |
+//! | [`output`] | EXR, PNG, HDR, JSON |
+//! | [`accuracy`], [`studies`] | how far a picture is from the reference; what accuracy costs |
+//!
+//! # How to add an effect
+//!
+//! Two files and one line: see [`effect`].
+//!
+//! # Conventions
+//!
+//! SI and radians; another unit is in the name (`latitude_deg`). Scene axes are right-handed, +Y up, metres; with `north` 0, -Z faces
+//! north and +X east. Directions say where they point (`toward_sun`). RGB triples are in the working space, linear Rec. 2020 with
+//! white D65, and photometric: their luminance is in cd/m2, or their illuminance in lux. Physics on the CPU is f64.
+
 pub mod accuracy;
 pub mod colour;
 pub mod conditions;

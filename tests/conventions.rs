@@ -25,7 +25,7 @@ const ORDER: [&[&str]; 16] = [
     &["gpu", "reference"],
     &["output"],
     &["accuracy"],
-    &["timelapse", "daylight"],
+    &["studies", "timelapse", "daylight"],
 ];
 
 /// Paths from the root with `/`, and what stands there.

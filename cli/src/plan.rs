@@ -118,7 +118,7 @@ fn contribution(contribution: Contribution) -> String {
 fn significant(value: f64) -> String {
     match value {
         0.0 => "0".into(),
-        v if v < 0.01 || v >= 1e7 => format!("{v:.1e}"),
+        v if !(0.01..1e7).contains(&v) => format!("{v:.1e}"),
         v if v < 10.0 => format!("{v:.2}"),
         v => format!("{v:.0}"),
     }

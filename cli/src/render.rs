@@ -117,7 +117,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         stdout::print_json(&report)?;
     }
     match (check, args.fail_above) {
-        (Some(check), Some(most)) if !(check.picture().relative_rmse <= most) => {
+        (Some(check), Some(most)) if !check.picture().relative_rmse.le(&most) => {
             Err(Error::failed(
                 format!(
                     "the picture's relative RMSE is {:.3e}, above {most}",

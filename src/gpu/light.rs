@@ -113,7 +113,10 @@ pub fn fit(
         window.min -= slack;
         window.max += slack;
     }
-    let mut maps: Vec<PartitionMap> = windows.iter().map(|w| snapped(w, resolution)).collect();
+    let mut maps: Vec<PartitionMap> = windows
+        .iter()
+        .map(|w| snapped(w, resolution, geometry.extent()))
+        .collect();
     let area = |map: &PartitionMap| map.texel.x * map.texel.y;
     maps.sort_by(|a, b| area(a).total_cmp(&area(b)));
     maps.dedup();
@@ -216,16 +219,11 @@ fn views(
     windows
 }
 
-/// The map that covers a window with two texels to spare: texel sizes come in steps of 2^(1/8), and windows begin at whole
-/// texels, so that a small change of the view moves the map by whole texels or not at all.
-fn snapped(window: &Window, resolution: u32) -> PartitionMap {
+/// The map that covers a window with two texels to spare: texel sizes come in steps of 2^(1/8) of the scene's diagonal, and
+/// windows begin at whole texels, so that a small change of the view moves the map by whole texels or not at all.
+fn snapped(window: &Window, resolution: u32, extent: f64) -> PartitionMap {
     let size = (window.max - window.min) / (f64::from(resolution) - 4.0);
-    let step = |x: f64| {
-        (8.0 * x.max(f64::MIN_POSITIVE).log2())
-            .ceil()
-            .mul_add(0.125, 0.0)
-            .exp2()
-    };
+    let step = |x: f64| extent * (0.125 * (8.0 * (x / extent).log2()).ceil()).exp2();
     let texel = DVec2::new(step(size.x), step(size.y)).as_vec2();
     let least = ((window.min / texel.as_dvec2()).floor() - 1.0) * texel.as_dvec2();
     PartitionMap {
@@ -253,10 +251,10 @@ mod tests {
             min: DVec2::new(-3.7 + shift, 11.0),
             max: DVec2::new(20.1 + shift, 12.5),
         };
-        let still = snapped(&window(0.0), 512);
+        let still = snapped(&window(0.0), 512, 30.0);
         for shift in [0.0, 0.003, 0.5, 123.456] {
             let w = window(shift);
-            let map = snapped(&w, 512);
+            let map = snapped(&w, 512, 30.0);
             let least = map.least.as_dvec2();
             let most = least + 512.0 * map.texel.as_dvec2();
             assert!(

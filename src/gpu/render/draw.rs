@@ -1,0 +1,179 @@
+//! One submit: a dispatch, or all triangles drawn once.
+
+use super::*;
+
+pub(super) fn texture(
+    device: &Device,
+    label: &str,
+    size: UVec2,
+    layers: u32,
+    format: TextureFormat,
+    usage: TextureUsages,
+) -> Texture {
+    device.count(|t| t.allocated += 4 * u64::from(size.x) * u64::from(size.y) * u64::from(layers));
+    device.device.create_texture(&TextureDescriptor {
+        label: Some(label),
+        size: Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: layers,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+pub(super) fn dispatch(
+    device: &Device,
+    timer: &mut Timer,
+    number: usize,
+    pipeline: &ComputePipeline,
+    groups: &[&BindGroup],
+    extent: UVec2,
+) -> Result<()> {
+    let timestamp_writes = timer.compute(device, number)?;
+    let mut encoder = device.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+            label: None,
+            timestamp_writes,
+        });
+        pass.set_pipeline(pipeline);
+        for (group, i) in groups.iter().zip(0..) {
+            pass.set_bind_group(i, *group, &[]);
+        }
+        pass.dispatch_workgroups(extent.x.div_ceil(8), extent.y.div_ceil(8), 1);
+    }
+    device.queue.submit([encoder.finish()]);
+    device.check()
+}
+
+/// All triangles, drawn once.
+pub(super) struct Draw<'r> {
+    pub raster: &'r Raster,
+    pub groups: &'r [&'r BindGroup],
+    pub corners: &'r Buffer,
+    pub triangles: &'r Triangles,
+    pub color: Option<&'r TextureView>,
+    pub depth: &'r TextureView,
+    /// The depth of what is farthest.
+    pub far: f32,
+    pub instance: u32,
+}
+
+impl Draw<'_> {
+    pub(super) fn submit(&self, device: &Device, timer: &mut Timer, number: usize) -> Result<()> {
+        let timestamp_writes = timer.render(device, number)?;
+        let mut encoder = device.device.create_command_encoder(&Default::default());
+        {
+            let color = self.color.map(|view| RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: Operations {
+                    load: LoadOp::Clear(Color::TRANSPARENT),
+                    store: StoreOp::Store,
+                },
+            });
+            let attachments = [color];
+            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+                label: None,
+                color_attachments: if self.color.is_some() {
+                    &attachments
+                } else {
+                    &[]
+                },
+                depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                    view: self.depth,
+                    depth_ops: Some(Operations {
+                        load: LoadOp::Clear(self.far),
+                        store: StoreOp::Store,
+                    }),
+                    stencil_ops: None,
+                }),
+                timestamp_writes,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            for (group, i) in self.groups.iter().zip(0..) {
+                pass.set_bind_group(i, *group, &[]);
+            }
+            pass.set_vertex_buffer(0, self.corners.slice(..));
+            let solid = 3 * self.triangles.solid;
+            let all = 3 * self.triangles.numbers.len() as u32;
+            let instances = self.instance..self.instance + 1;
+            if solid > 0 {
+                pass.set_pipeline(&self.raster.solid);
+                pass.draw(0..solid, instances.clone());
+            }
+            if let Some(cut_out) = &self.raster.cut_out {
+                pass.set_pipeline(cut_out);
+                pass.draw(solid..all, instances);
+            }
+        }
+        device.queue.submit([encoder.finish()]);
+        device.check()
+    }
+}
+
+impl SunMaps {
+    pub(super) fn slot(&self, device: &Device, pipelines: &Pipelines) -> Result<Slot> {
+        let light = device.buffer(
+            "a light",
+            shared::uniform(&shared::Light::default()).len() as u64,
+            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        )?;
+        let maps = texture(
+            device,
+            "shadow maps",
+            UVec2::splat(self.resolution),
+            self.partitions as u32,
+            TextureFormat::Depth32Float,
+            TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+        );
+        let views = (0..self.partitions as u32)
+            .map(|layer| {
+                maps.create_view(&TextureViewDescriptor {
+                    dimension: Some(TextureViewDimension::D2),
+                    base_array_layer: layer,
+                    array_layer_count: Some(1),
+                    ..Default::default()
+                })
+            })
+            .collect();
+        let all = maps.create_view(&TextureViewDescriptor {
+            dimension: Some(TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let light_entry = BindGroupEntry {
+            binding: 0,
+            resource: light.as_entire_binding(),
+        };
+        let group = |layout, entries: &[BindGroupEntry]| {
+            device.device.create_bind_group(&BindGroupDescriptor {
+                label: Some("a light"),
+                layout,
+                entries,
+            })
+        };
+        let ask = [
+            light_entry.clone(),
+            BindGroupEntry {
+                binding: 1,
+                resource: BindingResource::TextureView(&all),
+            },
+        ];
+        Ok(Slot {
+            toward: DVec3::ZERO,
+            filled: false,
+            draw: group(&pipelines.light, &[light_entry]),
+            ask: group(&pipelines.lit, &ask),
+            light,
+            views,
+        })
+    }
+}

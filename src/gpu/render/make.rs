@@ -1,0 +1,200 @@
+//! What a plan's passes need on the device: pipelines, buffers, bindings, made once.
+
+use super::*;
+
+/// Makes what the passes of a plan name.
+pub(super) struct Maker<'m, 'a> {
+    pub plan: &'a Plan<'a>,
+    pub device: &'m Device,
+    pub pipelines: &'m mut Pipelines,
+    pub scene: &'m mut SceneBuffers,
+    pub triangles: &'m Triangles,
+    pub fields: &'m [Target],
+    pub numbers: &'m Texture,
+    pub stages: Vec<Stage<'a>>,
+    pub maps: Option<SunMaps>,
+    pub from_host: Vec<Field>,
+}
+
+impl<'a> Maker<'_, 'a> {
+    pub(super) fn all(&mut self) -> Result<()> {
+        let plan = self.plan;
+        for step in plan.running() {
+            let settings = Settings {
+                values: &step.settings,
+            };
+            let effect = step.effect;
+            if effect.passes.is_empty() {
+                self.stages.push(Stage {
+                    effect: effect.name,
+                    pass: "reference",
+                    work: Work::Host((effect.reference)(plan.conditions, &settings)),
+                    finds_surfaces: false,
+                    runs: 0,
+                    on_cpu: Duration::ZERO,
+                });
+                self.from_host.extend(effect.writes);
+                continue;
+            }
+            for pass in effect.passes {
+                self.pass(
+                    effect.name,
+                    pass,
+                    &settings,
+                    effect.writes.contains(&Field::Surface),
+                )?;
+            }
+        }
+        self.from_host.sort_unstable_by_key(|f| f.name());
+        self.from_host.dedup();
+        Ok(())
+    }
+
+    pub(super) fn field(&self, field: Field) -> Option<&Buffer> {
+        let target = self.fields.iter().find(|t| t.field == field);
+        target.map(|t| &t.buffer)
+    }
+
+    pub(super) fn pass(
+        &mut self,
+        effect: &'static str,
+        pass: &'static Pass,
+        settings: &Settings,
+        finds_surfaces: bool,
+    ) -> Result<()> {
+        let each: Vec<Option<Field>> = match pass.kind {
+            Kind::EachField(fields) => fields
+                .iter()
+                .filter(|f| self.field(**f).is_some())
+                .map(|f| Some(*f))
+                .collect(),
+            _ => vec![None],
+        };
+        let missing = pass.uses.iter().any(|resource| match resource {
+            Resource::Read(field) | Resource::Update(field) => self.field(*field).is_none(),
+            _ => false,
+        });
+        if missing || each.is_empty() {
+            return Ok(());
+        }
+        let layout = self.pipelines.own(self.device, pass);
+        if matches!(pass.kind, Kind::Picture | Kind::SunMaps) {
+            let group = self.group(effect, pass, settings, &layout, None)?;
+            let holes = (self.triangles.solid as usize) < self.triangles.numbers.len();
+            let raster = self
+                .pipelines
+                .raster(self.device, effect, pass, &layout, holes);
+            if pass.kind == Kind::SunMaps {
+                self.maps = Some(self.sun_maps(settings, raster, group)?);
+            } else {
+                self.push(effect, pass, Work::Picture(raster, group), finds_surfaces);
+            }
+            return Ok(());
+        }
+        let pipeline = self.pipelines.compute(self.device, effect, pass, &layout);
+        for field in each {
+            let group = self.group(effect, pass, settings, &layout, field)?;
+            let work = match pass.kind {
+                Kind::EachSun(knob) => {
+                    let count = settings.get(knob) as usize;
+                    let suns = self.plan.conditions.sun.points(count);
+                    Work::EachSun(pipeline.clone(), group, suns)
+                }
+                _ => Work::Pixels(pipeline.clone(), group),
+            };
+            self.push(effect, pass, work, finds_surfaces);
+        }
+        Ok(())
+    }
+
+    pub(super) fn push(
+        &mut self,
+        effect: &'static str,
+        pass: &Pass,
+        work: Work<'a>,
+        finds_surfaces: bool,
+    ) {
+        self.stages.push(Stage {
+            effect,
+            pass: pass.entry,
+            work,
+            finds_surfaces,
+            runs: 0,
+            on_cpu: Duration::ZERO,
+        });
+    }
+
+    pub(super) fn sun_maps(
+        &self,
+        settings: &Settings,
+        raster: Raster,
+        group: BindGroup,
+    ) -> Result<SunMaps> {
+        let resolution = settings.get("resolution") as u32;
+        let partitions = settings.get("partitions") as usize;
+        let most = self.device.limits().max_texture_dimension_2d;
+        if resolution > most {
+            return Err(Error::domain(
+                "shadow.resolution",
+                resolution,
+                format!("16 to {most} on {}", self.device.adapter.name),
+                "set a lower one with --set shadow.resolution=N",
+            ));
+        }
+        let bytes = 4 * u64::from(resolution).pow(2) * partitions as u64;
+        Ok(SunMaps {
+            raster,
+            group,
+            partitions,
+            resolution,
+            casters: self.triangles.corners(self.plan.conditions),
+            slots: Vec::new(),
+            most_slots: (KEPT_MAPS / bytes).max(1) as usize,
+            runs: 0,
+        })
+    }
+
+    pub(super) fn group(
+        &mut self,
+        effect: &str,
+        pass: &Pass,
+        settings: &Settings,
+        layout: &BindGroupLayout,
+        each: Option<Field>,
+    ) -> Result<BindGroup> {
+        let conditions = self.plan.conditions;
+        let view = self.numbers.create_view(&Default::default());
+        let mut buffers = Vec::with_capacity(pass.uses.len());
+        for resource in pass.uses {
+            buffers.push(match resource {
+                Resource::Read(field) | Resource::Update(field) => self.field(*field).cloned(),
+                Resource::Each => each.and_then(|field| self.field(field).cloned()),
+                Resource::Numbers => None,
+                Resource::Table(make) => Some(self.device.filled(
+                    &format!("the table of {effect}"),
+                    bytemuck::cast_slice(&make(conditions, settings)),
+                    BufferUsages::STORAGE,
+                )?),
+                _ => self
+                    .scene
+                    .get(self.device, conditions, self.triangles, resource)?,
+            });
+        }
+        let entries: Vec<BindGroupEntry> = buffers
+            .iter()
+            .zip(0..)
+            .map(|(buffer, binding)| BindGroupEntry {
+                binding,
+                resource: match buffer {
+                    Some(buffer) => buffer.as_entire_binding(),
+                    None => BindingResource::TextureView(&view),
+                },
+            })
+            .collect();
+        Ok(self.device.device.create_bind_group(&BindGroupDescriptor {
+            label: Some(pass.entry),
+            layout,
+            entries: &entries,
+        }))
+    }
+}

@@ -1,0 +1,74 @@
+//! What a tile's shaders know of the camera and the ground.
+
+use super::*;
+
+impl Gpu<'_> {
+    /// What shaders know of a tile.
+    pub(super) fn frame_of(&self, corner: UVec2, extent: UVec2, offset: DVec2) -> shared::Frame {
+        let conditions = self.plan.conditions;
+        let camera = &conditions.camera;
+        let [right, up, forward] = camera.axes();
+        let size = UVec2::from(conditions.size).as_dvec2();
+        let tile = self.tile.as_dvec2();
+        // A position P of the picture is at P - shifted in the tile, whose pixels have their centres at halves.
+        let shifted = corner.as_dvec2() + offset - 0.5;
+        let middle = 0.5 * size + DVec2::new(-camera.shift.x, camera.shift.y) * size - shifted;
+        let half = match camera.projection {
+            Projection::Perspective { fov_y } => (0.5 * fov_y).tan(),
+            Projection::Orthographic { height } => 0.5 * height,
+            Projection::Panorama => 1.0,
+        };
+        let scale = size.y / half / tile;
+        let place = 2.0 * middle / tile;
+        let origin = |at: DVec2| {
+            let at = corner.as_dvec2() + offset + at;
+            camera.ray(at, conditions.size).origin - camera.eye
+        };
+        let extent_m = conditions.geometry.extent();
+        let (low, high) = conditions.geometry.bounds();
+        let deepest = (0..8)
+            .map(|i| {
+                let pick = |bit: usize, a: f64, b: f64| if i & bit == 0 { a } else { b };
+                let c = DVec3::new(
+                    pick(1, low.x, high.x),
+                    pick(2, low.y, high.y),
+                    pick(4, low.z, high.z),
+                );
+                (c - camera.eye).dot(forward)
+            })
+            .fold(extent_m * 1e-6, f64::max);
+        let ground = conditions.ground.map_or(Vec4::ZERO, |ground| {
+            let height = camera.eye.y - ground.height;
+            ground.albedo.as_vec3().extend(height as f32)
+        });
+        shared::Frame {
+            tile: corner,
+            extent,
+            right: right.as_vec3(),
+            projection: match camera.projection {
+                Projection::Perspective { .. } => 0,
+                Projection::Orthographic { .. } => 1,
+                Projection::Panorama => 2,
+            },
+            up: up.as_vec3(),
+            media: conditions.air.media.len() as u32,
+            forward: forward.as_vec3(),
+            grounded: u32::from(conditions.ground.is_some()),
+            project: Vec4::new(
+                scale.x as f32,
+                (place.x - 1.0) as f32,
+                scale.y as f32,
+                (1.0 - place.y) as f32,
+            ),
+            ground,
+            depth: match camera.projection {
+                Projection::Orthographic { .. } => (0.999 / deepest) as f32,
+                _ => (1e-6 * extent_m).max(f64::from(f32::MIN_POSITIVE)) as f32,
+            },
+            origin: origin(DVec2::ZERO).as_vec3(),
+            origin_right: (origin(DVec2::X) - origin(DVec2::ZERO)).as_vec3(),
+            origin_down: (origin(DVec2::Y) - origin(DVec2::ZERO)).as_vec3(),
+            working_from_rec709: Space::Rec709.to_working().as_mat3(),
+        }
+    }
+}
