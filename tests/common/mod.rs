@@ -2,7 +2,9 @@
 #![allow(dead_code)]
 
 pub mod build;
+pub mod files;
 pub mod scenes;
+pub mod views;
 
 use std::io::Write;
 use std::path::PathBuf;
