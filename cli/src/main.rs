@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod backend;
+mod choose;
 mod completions;
 mod doctor;
 mod draw;

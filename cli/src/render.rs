@@ -2,7 +2,7 @@
 
 use crate::backend::{self, Backend, BackendFlag, Done};
 use crate::scene_args::{PlanArgs, SceneArgs};
-use crate::{stdout, tell};
+use crate::{choose, stdout, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -73,9 +73,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let formats = output::check_targets(&files)?;
     let layers = output::select_layers(&args.layers)?;
     let conditions = args.scene.conditions()?;
-    let plan = Plan::new(&conditions, &args.plan.overrules())?;
+    // What is wrong with the flags is said before anything is measured.
+    Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
     let backend = Backend::new(args.backend)?;
+    let memory = (args.max_memory * f64::from(1 << 30)) as u64;
+    let chosen = choose::quality(&args.plan, &conditions, args.backend, memory)?;
+    let plan = Plan::new(&conditions, &args.plan.overrules_at(chosen.quality))?;
+    tell::chosen(chosen.why.as_deref());
     tell::plan(&plan, &backend.describe());
     let prepared = start.elapsed();
 
@@ -83,7 +88,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
-    let memory = (args.max_memory * f64::from(1 << 30)) as u64;
     let mut rendered = backend.render(&plan, memory, &|share| {
         bar.set_position((1000.0 * share) as u64)
     })?;

@@ -66,6 +66,12 @@ pub struct PlanArgs {
     /// How fine: draft, preview, high or reference
     #[arg(long, value_name = "QUALITY", default_value = "preview", value_parser = quality)]
     pub quality: Quality,
+    /// Take the coarsest quality whose measured relative RMSE is at most this
+    #[arg(long, value_name = "X", value_parser = positive, conflicts_with_all = ["quality", "within"])]
+    pub max_error: Option<f64>,
+    /// Take the finest quality whose predicted time is at most this, in milliseconds
+    #[arg(long, value_name = "MS", value_parser = positive, conflicts_with = "quality")]
+    pub within: Option<f64>,
     /// Leave out effects that surely add less than this share of the picture's mean luminance
     #[arg(long, value_name = "X")]
     tolerance: Option<f64>,
@@ -83,8 +89,13 @@ pub struct PlanArgs {
 impl PlanArgs {
     /// What these flags mean to a plan.
     pub fn overrules(&self) -> Overrules {
+        self.overrules_at(self.quality)
+    }
+
+    /// The same at another quality.
+    pub fn overrules_at(&self, quality: Quality) -> Overrules {
         Overrules {
-            quality: self.quality,
+            quality,
             tolerance: self.tolerance,
             set: self.set.clone(),
             force: self.force.clone(),
@@ -225,6 +236,13 @@ fn quality(text: &str) -> Result<Quality, String> {
         .into_iter()
         .find(|quality| quality.name() == text)
         .ok_or_else(|| "write draft, preview, high or reference".into())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("a number above 0 was expected".into()),
+    }
 }
 
 fn setting(text: &str) -> Result<(String, f64), String> {

@@ -41,6 +41,13 @@ pub fn plan(plan: &Plan, backend: &str) {
     }
 }
 
+/// The quality that was chosen, if it was measured.
+pub fn chosen(why: Option<&str>) {
+    if let Some(why) = why {
+        line("quality", why);
+    }
+}
+
 /// The plan for scripts.
 pub fn plan_json(plan: &Plan) -> serde_json::Value {
     plan.steps

@@ -211,6 +211,45 @@ fn work_that_fails_is_status_1() {
 }
 
 #[test]
+fn quality_follows_the_error_or_the_time_that_is_asked_for() {
+    let folder = folder();
+    scene(folder.path());
+    let chosen = |arguments: &[&str]| {
+        let always = [
+            "render",
+            "slats.toml",
+            "--backend",
+            "reference",
+            "-o",
+            "a.png",
+        ];
+        tyndall(folder.path(), &[&always[..], arguments].concat())
+    };
+    let loose = chosen(&["--max-error", "10"]);
+    assert!(
+        stderr(&loose).contains("draft: relative RMSE"),
+        "{}",
+        stderr(&loose)
+    );
+    let tight = chosen(&["--max-error", "1e-9"]);
+    assert!(
+        stderr(&tight).contains("reference: relative RMSE"),
+        "{}",
+        stderr(&tight)
+    );
+    let slow = chosen(&["--within", "1e9"]);
+    assert!(
+        stderr(&slow).contains("reference: about"),
+        "{}",
+        stderr(&slow)
+    );
+    let fast = chosen(&["--within", "1e-6"]);
+    assert_eq!(fast.status.code(), Some(1), "{}", stderr(&fast));
+    let both = chosen(&["--within", "1", "--max-error", "1"]);
+    assert_eq!(both.status.code(), Some(2));
+}
+
+#[test]
 fn no_haze_no_shafts_and_no_sun_no_sun_passes() {
     let folder = folder();
     scene(folder.path());

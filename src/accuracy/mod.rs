@@ -6,7 +6,7 @@
 use crate::colour::luminance;
 use crate::effect::Field;
 use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::frame::{Frame, Layer};
 use crate::plan::Plan;
 use crate::reference::Reference;
 use glam::{DVec3, UVec2};
@@ -71,31 +71,66 @@ pub fn check(frame: &Frame, yardstick: &Plan, count: usize) -> Result<Check> {
         ));
     }
     let pixels = stratified(size, count);
-    let reference = Reference::new(yardstick);
-    let truth = reference.sampled(&pixels, yardstick.conditions.samples);
     let index = |p: &UVec2| (p.y * size[0] + p.x) as usize;
+    let made: Vec<_> = Field::LAYERS
+        .iter()
+        .map(|field| frame.layer(field.name()))
+        .collect();
+    let ours: Vec<[DVec3; 7]> = pixels
+        .iter()
+        .map(|p| {
+            let at = |layer: &Option<&Layer>| {
+                layer.map_or(DVec3::ZERO, |layer| layer.rgb[index(p)].as_dvec3())
+            };
+            std::array::from_fn(|slot| at(&made[slot]))
+        })
+        .collect();
+    Ok(judge(&ours, yardstick, &pixels))
+}
+
+/// Compares about `count` pixels of what the reference makes of a plan with what it makes of another, without a whole picture.
+///
+/// # Errors
+/// [`Error::Input`] for a count of zero.
+pub fn compare(plan: &Plan, yardstick: &Plan, count: usize) -> Result<Check> {
+    if count == 0 {
+        return Err(Error::input(
+            "the pixels to compare",
+            "there are none",
+            "give a number of pixels, say 1000",
+        ));
+    }
+    let conditions = plan.conditions;
+    let pixels = stratified(conditions.size, count);
+    let ours: Vec<[DVec3; 7]> = Reference::new(plan)
+        .sampled(&pixels, conditions.samples)
+        .iter()
+        .map(|values| std::array::from_fn(|slot| values[slot]))
+        .collect();
+    Ok(judge(&ours, yardstick, &pixels))
+}
+
+/// The error of the layers and of their sum at some pixels.
+fn judge(ours: &[[DVec3; 7]], yardstick: &Plan, pixels: &[UVec2]) -> Check {
+    let truth = Reference::new(yardstick).sampled(pixels, yardstick.conditions.samples);
     let written = yardstick.written();
     let mut layers = Vec::new();
     for (slot, field) in Field::LAYERS.iter().enumerate() {
-        if !written.contains(field) {
-            continue;
+        if written.contains(field) {
+            let pairs = ours.iter().zip(&truth);
+            let pairs = pairs.map(|(o, t)| [luminance(o[slot]), luminance(t[slot])]);
+            layers.push(error(field.name(), &pairs.collect::<Vec<_>>()));
         }
-        let ours = frame.layer(field.name());
-        let pairs = pixels.iter().zip(&truth).map(|(p, t)| {
-            let found = ours.map_or(DVec3::ZERO, |layer| layer.rgb[index(p)].as_dvec3());
-            [luminance(found), luminance(t[slot])]
-        });
-        layers.push(error(field.name(), &pairs.collect::<Vec<_>>()));
     }
-    let pairs = pixels.iter().zip(&truth).map(|(p, t)| {
-        let whole: DVec3 = t[..7].iter().sum();
-        [luminance(frame.picture(index(p))), luminance(whole)]
+    let pairs = ours.iter().zip(&truth).map(|(o, t)| {
+        let (ours, truth): (DVec3, DVec3) = (o.iter().sum(), t[..7].iter().sum());
+        [luminance(ours), luminance(truth)]
     });
     layers.push(error("picture", &pairs.collect::<Vec<_>>()));
-    Ok(Check {
+    Check {
         pixels: pixels.len(),
         layers,
-    })
+    }
 }
 
 /// Deterministic noise.

@@ -1,0 +1,118 @@
+//! `--max-error` and `--within`: the quality that this picture needs, measured on this machine.
+
+use crate::backend::{Backend, BackendFlag};
+use crate::scene_args::PlanArgs;
+use std::time::Instant;
+use tyndall::accuracy;
+use tyndall::conditions::Conditions;
+use tyndall::plan::{Plan, Quality};
+use tyndall::reference::{Reference, predict};
+use tyndall::{Error, Result};
+
+/// Pixels at which candidates are compared with the reference.
+const PIXELS: usize = 200;
+
+/// What was chosen, and the measured reason in words.
+pub struct Chosen {
+    pub quality: Quality,
+    pub why: Option<String>,
+}
+
+/// The quality that the flags ask for.
+///
+/// # Errors
+/// [`Error::Failed`] when even the finest quality is further off than `--max-error`, or even the coarsest takes longer than
+/// `--within`.
+pub fn quality(
+    args: &PlanArgs,
+    conditions: &Conditions,
+    backend: BackendFlag,
+    memory: u64,
+) -> Result<Chosen> {
+    match (args.max_error, args.within) {
+        (Some(most), _) => by_error(args, conditions, backend, memory, most),
+        (None, Some(limit)) => by_time(args, conditions, backend, memory, limit),
+        (None, None) => Ok(Chosen {
+            quality: args.quality,
+            why: None,
+        }),
+    }
+}
+
+fn by_error(
+    args: &PlanArgs,
+    conditions: &Conditions,
+    backend: BackendFlag,
+    memory: u64,
+    most: f64,
+) -> Result<Chosen> {
+    let mut finest = args.overrules_at(Quality::Reference);
+    finest.set.clear();
+    let yardstick = Plan::new(conditions, &finest)?;
+    let mut least = f64::INFINITY;
+    for quality in Quality::ALL {
+        let plan = Plan::new(conditions, &args.overrules_at(quality))?;
+        let error = match Backend::new(backend)? {
+            Backend::Reference => accuracy::compare(&plan, &yardstick, PIXELS)?,
+            gpu => {
+                let frame = gpu.render(&plan, memory, &|_| {})?.frame;
+                accuracy::check(&frame, &yardstick, PIXELS)?
+            }
+        };
+        let error = error.picture().relative_rmse;
+        if error <= most {
+            let why = format!(
+                "{}: relative RMSE {error:.1e} at {PIXELS} pixels, {most:.1e} asked for",
+                quality.name()
+            );
+            return Ok(Chosen {
+                quality,
+                why: Some(why),
+            });
+        }
+        least = least.min(error);
+    }
+    Err(Error::failed(
+        format!("no quality comes below --max-error {most}: the best has {least:.1e}"),
+        "allow more, or set knobs with --set (`tyndall plan` lists them)",
+    ))
+}
+
+fn by_time(
+    args: &PlanArgs,
+    conditions: &Conditions,
+    backend: BackendFlag,
+    memory: u64,
+    limit: f64,
+) -> Result<Chosen> {
+    let mut shortest = f64::INFINITY;
+    for quality in Quality::ALL.into_iter().rev() {
+        let plan = Plan::new(conditions, &args.overrules_at(quality))?;
+        let milliseconds = match Backend::new(backend)? {
+            Backend::Reference => {
+                let stages = predict(&Reference::new(&plan));
+                1e3 * stages.iter().map(|s| s.time.as_secs_f64()).sum::<f64>()
+            }
+            gpu => {
+                let start = Instant::now();
+                gpu.render(&plan, memory, &|_| {})?;
+                1e3 * start.elapsed().as_secs_f64()
+            }
+        };
+        if milliseconds <= limit {
+            let why = format!(
+                "{}: about {milliseconds:.0} ms for one ray a pixel, {limit} allowed",
+                quality.name()
+            );
+            return Ok(Chosen {
+                quality,
+                why: Some(why),
+            });
+        }
+        shortest = shortest.min(milliseconds);
+    }
+    Err(Error::failed(
+        format!("no quality stays within {limit} ms: draft takes about {shortest:.0}"),
+        "allow more time, make the picture smaller, or leave effects out with --without",
+    ))
+}
