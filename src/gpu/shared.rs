@@ -241,7 +241,7 @@ mod tests {
                 maps
             }
         ));
-        let moved = COMMON.replace("depth: f32,\n", "depth: vec4f,\n");
+        let moved = COMMON.replace("depth: f32,\n", "depth: mat4x4f,\n");
         assert_ne!(moved, COMMON);
         assert!(!same!(
             &moved,
