@@ -22,7 +22,7 @@ pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 const CONTRAST: f64 = 0.05;
 
 /// The same for the air's own light, which is soft but where a surface ends, and dear.
-const AIR_CONTRAST: f64 = 0.1;
+const AIR_CONTRAST: f64 = 0.15;
 
 /// What one pixel holds.
 #[derive(Debug, Clone)]
