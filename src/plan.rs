@@ -1,7 +1,7 @@
 //! The plan: which effects a scene calls for, why not the others, and with which settings.
 
 use crate::conditions::Conditions;
-use crate::effect::{ALL, Contribution, Decision, Effect, Field};
+use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method};
 use crate::error::{Error, Result, nearest};
 use glam::DVec2;
 
@@ -44,6 +44,8 @@ impl Quality {
 pub struct Overrules {
     /// Where all knobs start.
     pub quality: Quality,
+    /// How a GPU integrates sunlight in the air; absent: [`Method::Rectified`].
+    pub method: Option<Method>,
     /// Effects that surely contribute less than this share of the picture's mean luminance are left out; absent: 1e-4.
     pub tolerance: Option<f64>,
     /// `EFFECT.KNOB` and value.
@@ -102,6 +104,7 @@ impl<'c> Plan<'c> {
             .iter()
             .position(|q| *q == overrules.quality)
             .expect("all qualities are listed");
+        let method = overrules.method.unwrap_or(Method::Rectified);
         let mut steps = Vec::with_capacity(ALL.len());
         for &effect in ALL {
             let mut decision = (effect.decide)(conditions);
@@ -114,7 +117,11 @@ impl<'c> Plan<'c> {
                     decision.contribution,
                 );
             }
-            if overrules.without.iter().any(|n| n == effect.name) {
+            if let Some(own) = effect.method
+                && own != method
+            {
+                decision = Decision::nothing(format!("the method is {}", method.name()));
+            } else if overrules.without.iter().any(|n| effect.is_called(n)) {
                 if matches!(decision.contribution, Contribution::Everything) {
                     return Err(Error::input(
                         format!("--without {}", effect.name),
@@ -124,7 +131,7 @@ impl<'c> Plan<'c> {
                 }
                 decision.reason = format!("left out by --without; {}", decision.reason);
                 decision.run = false;
-            } else if overrules.force.iter().any(|n| n == effect.name) && !decision.run {
+            } else if overrules.force.iter().any(|n| effect.is_called(n)) && !decision.run {
                 if !decision.possible {
                     return Err(Error::input(
                         format!("--force {}", effect.name),
@@ -166,16 +173,16 @@ impl<'c> Plan<'c> {
                 "for example --set shafts.suns=16",
             )
         })?;
-        let effect = find(name)?;
-        let known = effect
-            .knobs
-            .iter()
+        find(name)?;
+        let called = || ALL.iter().filter(|effect| effect.is_called(name));
+        let known = called()
+            .flat_map(|effect| effect.knobs)
             .find(|k| k.name == knob)
             .ok_or_else(|| {
-                let names = effect.knobs.iter().map(|k| k.name);
-                let remedy = match nearest(knob, names.clone()) {
+                let names = called().flat_map(|effect| effect.knobs).map(|k| k.name);
+                let remedy = match nearest(knob, names) {
                     Some(name) => format!("did you mean `{name}`?"),
-                    None => format!("{} has no knobs", effect.name),
+                    None => format!("{name} has no knobs"),
                 };
                 Error::input(&place, format!("there is no knob `{knob}`"), remedy)
             })?;
@@ -189,7 +196,7 @@ impl<'c> Plan<'c> {
             ));
         }
         for step in &mut self.steps {
-            if step.effect.name == effect.name {
+            if step.effect.is_called(name) {
                 for setting in &mut step.settings {
                     if setting.0 == knob {
                         setting.1 = value;
@@ -220,9 +227,9 @@ impl<'c> Plan<'c> {
 fn find(name: &str) -> Result<&'static Effect> {
     ALL.iter()
         .copied()
-        .find(|effect| effect.name == name)
+        .find(|effect| effect.is_called(name))
         .ok_or_else(|| {
-            let remedy = match nearest(name, ALL.iter().map(|e| e.name)) {
+            let remedy = match nearest(name, ALL.iter().map(|e| e.name).chain(["shafts"])) {
                 Some(near) => format!("did you mean `{near}`? (`tyndall plan` lists them)"),
                 None => "`tyndall plan` lists them".into(),
             };

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use tyndall::colour::luminance;
 use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
-use tyndall::effect::{Contribution, Decision, Effect, Field, Kind, Pass, Resource};
+use tyndall::effect::{Contribution, Decision, Effect, Field, Kind, Method, Pass, Resource};
 use tyndall::frame::Frame;
 use tyndall::gpu::{Choice, Device, Gpu, Rendered};
 use tyndall::medium::{Phase, Shape};
@@ -20,12 +20,17 @@ const DEG: f64 = PI / 180.0;
 type Settings<'a> = &'a [(&'a str, f64)];
 
 /// One point for the sun, 512 steps, maps whose texels are smaller than a pixel.
-const ADEQUATE: Settings = &[("shafts.steps", 512.0), ("shadow.resolution", 2048.0)];
+const ADEQUATE: Settings = &[("shafts_march.steps", 512.0), ("shadow.resolution", 2048.0)];
 
 fn plan<'c>(conditions: &'c Conditions, set: Settings) -> Plan<'c> {
     let overrules = Overrules {
         quality: Quality::Draft,
-        set: set.iter().map(|(knob, v)| (knob.to_string(), *v)).collect(),
+        method: Some(Method::March),
+        set: set
+            .iter()
+            .chain(&[("visibility.silhouettes", 1.0)])
+            .map(|(knob, v)| (knob.to_string(), *v))
+            .collect(),
         ..Overrules::default()
     };
     Plan::new(conditions, &overrules).expect("the plan is sound")
@@ -236,7 +241,7 @@ fn the_error_falls_as_steps_and_maps_grow() {
             .iter()
             .map(|finer| {
                 let set = [
-                    ("shafts.steps", 48.0 * finer),
+                    ("shafts_march.steps", 48.0 * finer),
                     ("shadow.resolution", 384.0 * finer),
                 ];
                 let found = by_gpu(&conditions, &set);
@@ -440,7 +445,7 @@ fn partitions_have_no_seams_and_every_projection_works() {
     let truth = by_reference(&conditions);
     for partitions in [1.0, 2.0, 5.0, 16.0] {
         let set = [
-            ("shafts.steps", 512.0),
+            ("shafts_march.steps", 512.0),
             ("shadow.resolution", 1500.0),
             ("shadow.partitions", partitions),
         ];
@@ -473,7 +478,7 @@ fn an_epipole_anywhere_is_no_special_case() {
         return;
     }
     let base = slats(1.0);
-    let set: Settings = &[("shafts.steps", 256.0), ("shadow.resolution", 1024.0)];
+    let set: Settings = &[("shafts_march.steps", 256.0), ("shadow.resolution", 1024.0)];
     // The sun from across the view over the picture's corner to behind the eye.
     let errors: Vec<f64> = [88.0, 89.9, 90.0, 90.1, 92.0, 30.0, 0.0, 180.0, 179.99]
         .map(|azimuth| {
@@ -566,7 +571,7 @@ fn hard_cases_stay_finite_and_in_order() {
         };
         let size = [[1, 1], [1, 7], [13, 5]][(k / 2) % 3];
         let conditions = conditions(scene, camera, size);
-        let set = [("shadow.resolution", 100.0), ("shafts.steps", 33.0)];
+        let set = [("shadow.resolution", 100.0), ("shafts_march.steps", 33.0)];
         let found = by_gpu(&conditions, &set);
         let truth = by_reference(&conditions);
         assert!(found.transmittance.iter().all(|t| t.max_element() <= 1.0));
@@ -602,7 +607,7 @@ fn nothing_is_made_for_an_effect_that_does_not_run() {
     };
     let whole = slats(1.0);
     let (pipelines, fields, bytes) = made(&whole.conditions());
-    assert!(pipelines.iter().any(|p| p == "shafts.march"));
+    assert!(pipelines.iter().any(|p| p == "shafts_march.march"));
     assert!(fields.contains(&Field::InscatterSun));
     let mut clear = whole.scene.clone();
     clear.media.clear();
@@ -633,6 +638,7 @@ const GLOW: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::Lights],
     remembers: false,
+    method: None,
     knobs: &[],
     decide: |_| Decision::run("a test", Contribution::Bound(100.0)),
     reference: |_, _| {
@@ -658,6 +664,7 @@ const GLOW: Effect = Effect {
             Resource::Read(Field::Surface),
             Resource::Update(Field::Lights),
         ],
+        scratch: &[],
     }],
 };
 

@@ -6,6 +6,7 @@ use glam::DVec3;
 use std::path::PathBuf;
 use tyndall::Result;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
+use tyndall::effect::Method;
 use tyndall::error::Error;
 use tyndall::plan::{Overrules, Quality};
 use tyndall::scene::{self, Camera, Projection, Scene, SiteEntry, SunEntry};
@@ -66,6 +67,9 @@ pub struct PlanArgs {
     /// How fine: draft, preview, high or reference
     #[arg(long, value_name = "QUALITY", default_value = "preview", value_parser = quality)]
     pub quality: Quality,
+    /// How a GPU integrates sunlight in the air: auto, rectified, epipolar, prefiltered, march or planes (the reference is exact)
+    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
+    pub method: MethodFlag,
     /// Take the coarsest quality whose measured relative RMSE is at most this
     #[arg(long, value_name = "X", value_parser = positive, conflicts_with_all = ["quality", "within"])]
     pub max_error: Option<f64>,
@@ -86,6 +90,10 @@ pub struct PlanArgs {
     without: Vec<String>,
 }
 
+/// A method, or `None` for the cheapest that is accurate enough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MethodFlag(pub Option<Method>);
+
 impl PlanArgs {
     /// What these flags mean to a plan.
     pub fn overrules(&self) -> Overrules {
@@ -96,6 +104,7 @@ impl PlanArgs {
     pub fn overrules_at(&self, quality: Quality) -> Overrules {
         Overrules {
             quality,
+            method: self.method.0,
             tolerance: self.tolerance,
             set: self.set.clone(),
             force: self.force.clone(),
@@ -236,6 +245,16 @@ fn quality(text: &str) -> Result<Quality, String> {
         .into_iter()
         .find(|quality| quality.name() == text)
         .ok_or_else(|| "write draft, preview, high or reference".into())
+}
+
+fn method(text: &str) -> Result<MethodFlag, String> {
+    if text == "auto" {
+        return Ok(MethodFlag(None));
+    }
+    let found = Method::ALL.into_iter().find(|method| method.name() == text);
+    found
+        .map(|method| MethodFlag(Some(method)))
+        .ok_or_else(|| "write auto, rectified, epipolar, prefiltered, march or planes".into())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

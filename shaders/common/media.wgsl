@@ -238,8 +238,11 @@ fn all_depth(piece: Piece, origin: vec3f, direction: vec3f, a: f32, t: f32, towa
     return depth;
 }
 
-fn scattered_piece(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, one_minus_mu: f32) -> vec3f {
-    let piece = homogeneous(origin, direction, a, b, toward, one_minus_mu);
+// Sunlight that the part [a, b] of a piece beginning at `start` scatters to the eye [1/sr], per unit of illuminance.
+fn scattered_part(whole: Piece, start: f32, origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f,
+                  one_minus_mu: f32) -> vec3f {
+    var piece = whole;
+    piece.depth += whole.slope * (a - start);
     var heights = 0u;
     var only = 0u;
     for (var i = 0u; i < frame.media; i++) {
@@ -291,22 +294,6 @@ fn scattered_piece(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3
             }
             sum += weight * source * exp(-all_depth(piece, origin, direction, a, t, toward));
         }
-    }
-    return sum;
-}
-
-// Sunlight that the lit part [from, to] of a ray scatters to the eye [1/sr], per unit of illuminance; split at the faces
-// of boxes and where their depth toward the sun bends.
-fn scattered(origin: vec3f, direction: vec3f, from_distance: f32, to_distance: f32, toward: vec3f) -> vec3f {
-    let apart = direction - toward;
-    let one_minus_mu = 0.5 * dot(apart, apart);
-    var sum = vec3f(0.0);
-    var t = from_distance;
-    // Each box gives at most fourteen bends.
-    for (var guard = 0u; guard <= 14u * frame.media && t < to_distance; guard++) {
-        let next = min(to_distance, next_bend(origin, direction, toward, t));
-        sum += scattered_piece(origin, direction, t, next, toward, one_minus_mu);
-        t = next;
     }
     return sum;
 }

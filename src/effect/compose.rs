@@ -19,6 +19,7 @@ pub const COMPOSE: Effect = Effect {
     ],
     writes: &[],
     remembers: false,
+    method: None,
     knobs: &[],
     decide: |_| Decision::run("always", Contribution::Everything),
     reference: |_, _| {
@@ -33,5 +34,6 @@ pub const COMPOSE: Effect = Effect {
         entry: "attenuate",
         kind: Kind::EachField(ATTENUATED),
         uses: &[Resource::Each, Resource::Read(Field::Transmittance)],
+        scratch: &[],
     }],
 };

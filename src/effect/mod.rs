@@ -12,8 +12,11 @@
 
 pub mod compose;
 pub mod pass;
+pub mod rows;
 pub mod shadow;
 pub mod shafts;
+pub mod shafts_march;
+pub mod shafts_rectified;
 pub mod sky_dome;
 pub mod sun_disc;
 pub mod surface_sky;
@@ -25,7 +28,8 @@ use crate::conditions::Conditions;
 use crate::scene::Ray;
 use glam::{DVec3, UVec2};
 
-pub use pass::{Kind, Pass, Resource};
+pub use pass::{Kind, Over, Pass, Resource, Scratch};
+pub use shafts::Method;
 
 /// Every effect, in the order in which they run: each after those whose fields it reads.
 pub const ALL: &[&Effect] = &[
@@ -36,7 +40,8 @@ pub const ALL: &[&Effect] = &[
     &shadow::SHADOW,
     &surface_sun::SURFACE_SUN,
     &surface_sky::SURFACE_SKY,
-    &shafts::SHAFTS,
+    &shafts_rectified::SHAFTS_RECTIFIED,
+    &shafts_march::SHAFTS_MARCH,
     &compose::COMPOSE,
 ];
 
@@ -52,6 +57,8 @@ pub struct Effect {
     pub writes: &'static [Field],
     /// Whether the reference keeps results from pixel to pixel, so that later pixels cost less.
     pub remembers: bool,
+    /// Which way of integrating sunlight in the air it is: of all that are one, a plan runs one.
+    pub method: Option<Method>,
     /// What can be set by `--set <name>.<knob>=<value>`.
     pub knobs: &'static [Knob],
     /// Whether the scene calls for it, and what would be missing without it.
@@ -60,6 +67,13 @@ pub struct Effect {
     pub reference: for<'a> fn(&'a Conditions, &Settings<'_>) -> Batch<'a>,
     /// What it does on a GPU; empty: `reference` does it on the CPU there too.
     pub passes: &'static [Pass],
+}
+
+impl Effect {
+    /// Whether a user who writes `name` means it: its own name, or `shafts` for all methods of integrating sunlight in air.
+    pub fn is_called(&self, name: &str) -> bool {
+        self.name == name || (name == "shafts" && self.method.is_some())
+    }
 }
 
 /// What an effect does to a batch of rays.

@@ -17,22 +17,42 @@ pub struct Pass {
     pub kind: Kind,
     /// What the shader sees in its bind group 1, in the order of the bindings.
     pub uses: &'static [Resource],
+    /// What it leaves for the effect's later passes, its bind group 3, in the order of the bindings.
+    pub scratch: &'static [Scratch],
+}
+
+/// A buffer that the passes of one effect share while they work on one tile and one point of the sun.
+#[derive(Clone, Copy)]
+pub struct Scratch {
+    /// What it holds.
+    pub name: &'static str,
+    /// Its size [bytes] for an effect's knobs and a tile of so many pixels.
+    pub bytes: fn(&Settings<'_>, u64) -> u64,
 }
 
 /// What one run of a pass covers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub enum Kind {
     /// One invocation for each pixel of a tile.
     Pixels,
-    /// The same once for each point of the sun's disc, whose number is the effect's knob of that name. The shader sees that
-    /// point and its shadow maps in its bind group 2.
-    EachSun(&'static str),
+    /// Once for each point of the sun's disc, whose number is the effect's knob of that name. The shader sees that point and
+    /// its shadow maps in its bind group 2. Such passes of an effect that follow each other run in turns, point by point.
+    EachSun(&'static str, Over),
     /// One invocation for each pixel of a tile, once for each of these fields that the plan makes ([`Resource::Each`]).
     EachField(&'static [Field]),
     /// Draws all triangles as the camera sees them; their numbers, from 1, become the tile's [`Resource::Numbers`].
     Picture,
     /// Draws all triangles as the sun sees them into the z-partitions' depth maps, whenever a pass needs those.
     SunMaps,
+}
+
+/// What a pass for a point of the sun covers.
+#[derive(Debug, Clone, Copy)]
+pub enum Over {
+    /// One invocation for each pixel of a tile, in workgroups of 8 by 8.
+    Pixels,
+    /// So many workgroups.
+    Groups(fn(&Settings<'_>) -> [u32; 2]),
 }
 
 /// What a shader sees. A pass whose fields nobody writes does not run.

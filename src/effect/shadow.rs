@@ -16,6 +16,7 @@ pub const SHADOW: Effect = Effect {
     reads: &[],
     writes: &[],
     remembers: false,
+    method: None,
     knobs: &[
         Knob {
             name: "partitions",
@@ -47,5 +48,6 @@ pub const SHADOW: Effect = Effect {
             Resource::Materials,
             Resource::Texels,
         ],
+        scratch: &[],
     }],
 };

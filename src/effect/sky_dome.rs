@@ -17,6 +17,7 @@ pub const SKY_DOME: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::Background],
     remembers: false,
+    method: None,
     knobs: &[],
     decide: |conditions| match &conditions.sky {
         None => Decision::nothing("no sky was asked for"),
@@ -45,6 +46,7 @@ pub const SKY_DOME: Effect = Effect {
             Resource::Update(Field::Background),
             Resource::Table(table),
         ],
+        scratch: &[],
     }],
 };
 

@@ -18,6 +18,7 @@ pub const SUN_DISC: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::Background],
     remembers: false,
+    method: None,
     knobs: &[],
     decide: |conditions| {
         let sun = &conditions.sun;

@@ -26,6 +26,7 @@ pub const SURFACE_SKY: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::Sky],
     remembers: true,
+    method: None,
     knobs: &[
         Knob {
             name: "rays",

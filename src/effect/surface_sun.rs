@@ -3,7 +3,7 @@
 //! L = albedo / pi * sum over the points of the sun's disc of E w cos(theta) V e^-tau, V by one shadow ray in f64 a point. A
 //! point sun has one. A surface whose own triangle faces away from the sun is dark, whatever its interpolated normal says.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Knob, Pass, Resource, Source};
+use super::{Contribution, Decision, Effect, Field, Kind, Knob, Over, Pass, Resource, Source};
 use crate::conditions::Conditions;
 use crate::scene::Ray;
 use glam::DVec3;
@@ -16,6 +16,7 @@ pub const SURFACE_SUN: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::Sun],
     remembers: false,
+    method: None,
     knobs: &[Knob {
         name: "suns",
         meaning: "points of the sun's disc, one shadow ray each",
@@ -70,8 +71,9 @@ pub const SURFACE_SUN: Effect = Effect {
     passes: &[Pass {
         shader: include_str!("../../shaders/surface_sun.wgsl"),
         entry: "light_surfaces",
-        kind: Kind::EachSun("suns"),
+        kind: Kind::EachSun("suns", Over::Pixels),
         uses: &[Resource::Read(Field::Surface), Resource::Update(Field::Sun)],
+        scratch: &[],
     }],
 };
 

@@ -11,6 +11,7 @@ pub const TRANSMITTANCE: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::Transmittance],
     remembers: false,
+    method: None,
     knobs: &[],
     decide: |conditions| {
         if conditions.air.media.is_empty() {
@@ -46,5 +47,6 @@ pub const TRANSMITTANCE: Effect = Effect {
             Resource::Read(Field::Surface),
             Resource::Update(Field::Transmittance),
         ],
+        scratch: &[],
     }],
 };

@@ -4,7 +4,7 @@
 //! at its nearest texel, in linear light. Both sides of a triangle reflect; normals face the eye. The interpolated normal is
 //! used for shading where it agrees with the triangle about which side the eye is on.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource, Source, Surface};
+use super::{Contribution, Decision, Effect, Field, Kind, Knob, Pass, Resource, Source, Surface};
 use crate::colour::{Space, srgb_decode};
 use crate::conditions::Conditions;
 use crate::scene::{Hit, Ray, geometry::texel};
@@ -17,7 +17,13 @@ pub const VISIBILITY: Effect = Effect {
     reads: &[],
     writes: &[Field::Surface],
     remembers: false,
-    knobs: &[],
+    method: None,
+    knobs: &[Knob {
+        name: "silhouettes",
+        meaning: "1: rays at silhouettes are traced (GPU); 0: those pixels are as the rasteriser rounds",
+        values: [0.0, 1.0, 1.0, 1.0],
+        range: [0.0, 1.0],
+    }],
     decide: |conditions| {
         Decision::run(
             format!(
@@ -51,6 +57,7 @@ pub const VISIBILITY: Effect = Effect {
                 Resource::Materials,
                 Resource::Texels,
             ],
+            scratch: &[],
         },
         Pass {
             shader: SHADER,
@@ -65,6 +72,7 @@ pub const VISIBILITY: Effect = Effect {
                 Resource::Numbers,
                 Resource::Update(Field::Surface),
             ],
+            scratch: &[],
         },
     ],
 };

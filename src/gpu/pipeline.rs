@@ -15,6 +15,8 @@ pub struct Pipelines {
     pub lit: BindGroupLayout,
     /// Names of the pipelines that were compiled.
     pub compiled: Vec<String>,
+    /// Whether shaders count their reads.
+    counting: bool,
 }
 
 /// The pipelines of a raster pass.
@@ -44,9 +46,10 @@ fn buffer(ty: BufferBindingType) -> BindingType {
 }
 
 const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
+const WRITE: BufferBindingType = BufferBindingType::Storage { read_only: false };
 
 impl Pipelines {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(device: &Device, counting: bool) -> Self {
         let layout = |label, entries: &[BindGroupLayoutEntry]| {
             device
                 .device
@@ -64,11 +67,12 @@ impl Pipelines {
         };
         Pipelines {
             common: layout(
-                "frame, rays, media",
+                "frame, rays, media, counts",
                 &[
                     entry(0, all, uniform),
                     entry(1, ShaderStages::COMPUTE, buffer(READ)),
                     entry(2, ShaderStages::COMPUTE, buffer(READ)),
+                    entry(3, ShaderStages::COMPUTE, buffer(WRITE)),
                 ],
             ),
             light: layout("light", &[entry(0, all, uniform)]),
@@ -80,6 +84,7 @@ impl Pipelines {
                 ],
             ),
             compiled: Vec::new(),
+            counting,
         }
     }
 
@@ -95,9 +100,7 @@ impl Pipelines {
             .zip(0..)
             .map(|(resource, binding)| {
                 let ty = match resource {
-                    Resource::Update(_) | Resource::Each => {
-                        buffer(BufferBindingType::Storage { read_only: false })
-                    }
+                    Resource::Update(_) | Resource::Each => buffer(WRITE),
                     Resource::Numbers => BindingType::Texture {
                         sample_type: TextureSampleType::Uint,
                         view_dimension: TextureViewDimension::D2,
@@ -116,6 +119,21 @@ impl Pipelines {
             })
     }
 
+    /// The layout of what a pass leaves for later ones, if that is anything.
+    pub fn scratch(&self, device: &Device, pass: &Pass) -> Option<BindGroupLayout> {
+        let entries: Vec<_> = (0..pass.scratch.len() as u32)
+            .map(|binding| entry(binding, ShaderStages::COMPUTE, buffer(WRITE)))
+            .collect();
+        (!entries.is_empty()).then(|| {
+            device
+                .device
+                .create_bind_group_layout(&BindGroupLayoutDescriptor {
+                    label: Some("scratch"),
+                    entries: &entries,
+                })
+        })
+    }
+
     fn module(&self, device: &Device, label: &str, pass: &Pass) -> ShaderModule {
         let source = format!("{COMMON}{}", pass.shader);
         device.device.create_shader_module(ShaderModuleDescriptor {
@@ -132,12 +150,14 @@ impl Pipelines {
         own: &BindGroupLayout,
     ) -> PipelineLayout {
         let third = match pass.kind {
-            Kind::EachSun(_) => Some(&self.lit),
+            Kind::EachSun(..) => Some(&self.lit),
             Kind::SunMaps => Some(&self.light),
             _ => None,
         };
         let mut groups = vec![Some(&self.common), Some(own)];
         groups.extend(third.map(Some));
+        let scratch = self.scratch(device, pass);
+        groups.extend(scratch.as_ref().map(Some));
         device
             .device
             .create_pipeline_layout(&PipelineLayoutDescriptor {
@@ -163,7 +183,10 @@ impl Pipelines {
                 layout: Some(&self.layout(device, &label, pass, own)),
                 module: &self.module(device, &label, pass),
                 entry_point: Some(pass.entry),
-                compilation_options: Default::default(),
+                compilation_options: PipelineCompilationOptions {
+                    constants: &[("COUNTING", f64::from(u8::from(self.counting)))],
+                    ..Default::default()
+                },
                 cache: None,
             });
         self.compiled.push(label);
@@ -232,7 +255,7 @@ impl Pipelines {
                 })
         };
         Raster {
-            solid: pipeline("", pass.kind == Kind::Picture),
+            solid: pipeline("", matches!(pass.kind, Kind::Picture)),
             cut_out: holes.then(|| pipeline("_cut", true)),
         }
     }

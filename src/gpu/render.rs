@@ -1,13 +1,15 @@
 //! A plan made ready on a device, and its pictures.
 
+mod by_cpu;
 mod draw;
+mod each_sun;
 mod make;
 mod view;
 
 use super::device::{Device, Traffic};
 use super::light;
 use super::pipeline::{Pipelines, Raster};
-use super::scene::{SceneBuffers, Triangles, media};
+use super::scene::{Plane, SceneBuffers, Triangles, media};
 use super::shared;
 use super::timer::Timer;
 use crate::colour::Space;
@@ -20,10 +22,11 @@ use crate::plan::{Plan, sample_positions};
 use crate::scene::{Projection, Ray};
 use glam::{DVec2, DVec3, UVec2, Vec3, Vec4};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use wgpu::*;
 
-use draw::{Draw, dispatch, texture};
+use draw::{Draw, dispatch, texture, tile_groups};
 use make::Maker;
 
 /// Called with the share of the work that is done, 0 to 1.
@@ -49,6 +52,8 @@ pub struct PassTime {
     pub on_cpu: bool,
     /// How often it ran.
     pub runs: u32,
+    /// Reads of shadow maps and leaves, and of nodes of trees, when they were counted ([`Gpu::counting`]).
+    pub counted: Option<[u64; 2]>,
     /// Its time: the device's own clock, or the CPU's wall clock for what that did; `None` when the device has no clock.
     pub time: Option<Duration>,
 }
@@ -67,9 +72,19 @@ pub struct Rendered {
 
 enum Work<'a> {
     Pixels(ComputePipeline, BindGroup),
-    EachSun(ComputePipeline, BindGroup, Vec<SunPoint>),
-    Picture(Raster, BindGroup),
+    EachSun(EachSun),
+    /// The flag asks for exact silhouettes.
+    Picture(Raster, BindGroup, bool),
     Host(Batch<'a>),
+}
+
+struct EachSun {
+    pipeline: ComputePipeline,
+    group: BindGroup,
+    scratch: Option<BindGroup>,
+    suns: Vec<SunPoint>,
+    /// Workgroups; absent: those that cover the tile.
+    groups: Option<[u32; 2]>,
 }
 
 struct Stage<'a> {
@@ -80,6 +95,7 @@ struct Stage<'a> {
     finds_surfaces: bool,
     runs: u32,
     on_cpu: Duration,
+    counted: [u64; 2],
 }
 
 struct Slot {
@@ -124,11 +140,14 @@ pub struct Gpu<'a> {
     common: BindGroup,
     numbers: Texture,
     depth: TextureView,
+    planes: Vec<Plane>,
     fields: Vec<Target>,
     stages: Vec<Stage<'a>>,
     maps: Option<SunMaps>,
     staging: Buffer,
     timer: Timer,
+    counts: Buffer,
+    counting: bool,
 }
 
 impl<'a> Gpu<'a> {
@@ -138,8 +157,20 @@ impl<'a> Gpu<'a> {
     /// [`Error::Failed`] when the scene is larger than the adapter takes, or the driver fails; [`Error::Domain`] for a shadow
     /// map larger than the adapter's textures.
     pub fn new(plan: &'a Plan<'a>, device: Device) -> Result<Self> {
+        Self::prepared(plan, device, false)
+    }
+
+    /// The same with shaders that count what they read ([`PassTime::counted`]); times of such a rendering mean nothing.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::new`].
+    pub fn counting(plan: &'a Plan<'a>, device: Device) -> Result<Self> {
+        Self::prepared(plan, device, true)
+    }
+
+    fn prepared(plan: &'a Plan<'a>, device: Device, counting: bool) -> Result<Self> {
         let conditions = plan.conditions;
-        let mut pipelines = Pipelines::new(&device);
+        let mut pipelines = Pipelines::new(&device, counting);
         let triangles = Triangles::new(conditions);
         let mut scene = SceneBuffers::default();
         let tile = UVec2::from(conditions.size).min(UVec2::splat(TILE));
@@ -163,10 +194,15 @@ impl<'a> Gpu<'a> {
             air.push(shared::Medium::default());
         }
         let air = device.filled("the media", &shared::list(&air), BufferUsages::STORAGE)?;
+        let counts = device.buffer(
+            "counts",
+            8,
+            BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+        )?;
         let common = device.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("frame, rays, media"),
+            label: Some("frame, rays, media, counts"),
             layout: &pipelines.common,
-            entries: &[&frame, &rays, &air]
+            entries: &[&frame, &rays, &air, &counts]
                 .map(|b| b.as_entire_binding())
                 .into_iter()
                 .zip(0..)
@@ -175,7 +211,8 @@ impl<'a> Gpu<'a> {
         });
         let usage = TextureUsages::RENDER_ATTACHMENT
             | TextureUsages::TEXTURE_BINDING
-            | TextureUsages::COPY_DST;
+            | TextureUsages::COPY_DST
+            | TextureUsages::COPY_SRC;
         let numbers = texture(&device, "numbers", tile, 1, TextureFormat::R32Uint, usage);
         let depth = texture(
             &device,
@@ -207,7 +244,7 @@ impl<'a> Gpu<'a> {
         let all: u64 = fields.iter().map(|f| f.bytes).sum();
         let staging = device.buffer(
             "what is read back",
-            all,
+            all.max(u64::from(by_cpu::numbers_pitch(tile.x)) * u64::from(tile.y)),
             BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         )?;
 
@@ -222,6 +259,8 @@ impl<'a> Gpu<'a> {
             stages: Vec::new(),
             maps: None,
             from_host: Vec::new(),
+            pixels,
+            scratch: BTreeMap::new(),
         };
         maker.all()?;
         let Maker {
@@ -230,6 +269,12 @@ impl<'a> Gpu<'a> {
             from_host,
             ..
         } = maker;
+        let silhouettes = |stage: &Stage| matches!(stage.work, Work::Picture(.., true));
+        let planes = if stages.iter().any(silhouettes) {
+            triangles.planes(conditions)
+        } else {
+            Vec::new()
+        };
         let timer = Timer::new(&device, stages.len() + 1)?;
         device.check()?;
         Ok(Gpu {
@@ -245,11 +290,14 @@ impl<'a> Gpu<'a> {
             common,
             numbers,
             depth,
+            planes,
             fields,
             stages,
             maps,
             staging,
             timer,
+            counts,
+            counting,
             device,
         })
     }
@@ -299,7 +347,7 @@ impl<'a> Gpu<'a> {
             ));
         }
         for stage in &mut self.stages {
-            (stage.runs, stage.on_cpu) = (0, Duration::ZERO);
+            (stage.runs, stage.on_cpu, stage.counted) = (0, Duration::ZERO, [0; 2]);
         }
         if let Some(maps) = &mut self.maps {
             maps.runs = 0;
@@ -365,6 +413,7 @@ impl<'a> Gpu<'a> {
                 pass: "map",
                 on_cpu: false,
                 runs: maps.runs,
+                counted: None,
                 time: times.map(|t| t[self.stages.len()]),
             });
         }
@@ -375,6 +424,7 @@ impl<'a> Gpu<'a> {
                 pass: stage.pass,
                 on_cpu,
                 runs: stage.runs,
+                counted: (self.counting && !on_cpu).then_some(stage.counted),
                 time: if on_cpu {
                     Some(stage.on_cpu)
                 } else {
@@ -443,10 +493,15 @@ impl<'a> Gpu<'a> {
             }
         }
         self.device.queue.submit([encoder.finish()]);
-        for i in 0..self.stages.len() {
-            if !self.stages[i].finds_surfaces {
+        let mut i = 0;
+        while i < self.stages.len() {
+            let together = self.together(i);
+            if together > 1 || matches!(self.stages[i].work, Work::EachSun(_)) {
+                self.run_each_sun(i..i + together, extent)?;
+            } else if !self.stages[i].finds_surfaces {
                 self.run(i, extent, &rays)?;
             }
+            i += together;
         }
         let fields: Vec<Field> = self.fields.iter().map(|t| t.field).collect();
         self.read(&fields)
@@ -467,102 +522,27 @@ impl<'a> Gpu<'a> {
         self.device.read(&self.staging, at)
     }
 
-    /// What the effects without passes add to fields.
-    fn host(
-        &mut self,
-        rays: &[Ray],
-        pixels: Vec<UVec2>,
-        extent: UVec2,
-    ) -> Result<Vec<(Field, Vec<[f32; 4]>)>> {
-        let conditions = self.plan.conditions;
-        let bytes = self.read(&[Field::Surface])?;
-        let numbers: Vec<u32> = (0..(extent.x * extent.y) as usize)
-            .map(|i| surface_word(&bytes, i, 7).to_bits())
-            .collect();
-        let working = Space::Rec709.to_working();
-        let triangles = &self.triangles.numbers;
-        let mut chunks: Vec<Fields> = (0..rays.len())
-            .step_by(CHUNK)
-            .map(|from| {
-                let to = (from + CHUNK).min(rays.len());
-                Fields::new(
-                    rays[from..to].to_vec(),
-                    pixels[from..to].to_vec(),
-                    &self.written,
-                )
-            })
-            .collect();
-        chunks.par_iter_mut().enumerate().for_each(|(c, fields)| {
-            for (i, surface) in fields.surfaces.iter_mut().enumerate() {
-                let ray = &fields.rays[i];
-                *surface = match numbers[c * CHUNK + i] {
-                    0 | 1 => ground_surface(conditions, ray),
-                    n => known_surface(conditions, ray, triangles[n as usize - 2], working),
-                };
-            }
-        });
-        for stage in &mut self.stages {
-            if let Work::Host(batch) = &stage.work {
-                let start = Instant::now();
-                chunks.par_iter_mut().for_each(batch);
-                stage.on_cpu += start.elapsed();
-                stage.runs += 1;
-            }
-        }
-        let values = |field: Field| -> Vec<[f32; 4]> {
-            chunks
-                .iter()
-                .flat_map(|fields| fields.get(field).into_iter().flatten())
-                .map(|v| v.as_vec3().extend(0.0).to_array())
-                .collect()
-        };
-        Ok(self.from_host.iter().map(|f| (*f, values(*f))).collect())
-    }
-
     fn run(&mut self, index: usize, extent: UVec2, rays: &[Ray]) -> Result<()> {
         if self.picture_by_cpu(&self.stages[index]) {
             return self.draw_by_cpu(index, extent, rays);
-        }
-        let suns = match &self.stages[index].work {
-            Work::EachSun(_, _, suns) => suns.clone(),
-            _ => Vec::new(),
-        };
-        if matches!(self.stages[index].work, Work::EachSun(..)) {
-            for sun in &suns {
-                let slot = self.maps_for(sun)?;
-                let stage = &mut self.stages[index];
-                stage.runs += 1;
-                let (Work::EachSun(pipeline, group, _), Some(maps)) = (&stage.work, &self.maps)
-                else {
-                    continue;
-                };
-                let groups = [&self.common, group, &maps.slots[slot].ask];
-                dispatch(
-                    &self.device,
-                    &mut self.timer,
-                    index,
-                    pipeline,
-                    &groups,
-                    extent,
-                )?;
-            }
-            return Ok(());
         }
         let stage = &mut self.stages[index];
         match &stage.work {
             Work::Pixels(pipeline, group) => {
                 stage.runs += 1;
                 let groups = [&self.common, group];
+                let over = tile_groups(extent);
                 dispatch(
                     &self.device,
                     &mut self.timer,
                     index,
                     pipeline,
                     &groups,
-                    extent,
+                    over,
                 )
             }
-            Work::Picture(raster, group) => {
+            Work::Picture(raster, group, silhouettes) => {
+                let silhouettes = *silhouettes;
                 stage.runs += 1;
                 let view = self.numbers.create_view(&Default::default());
                 let draw = Draw {
@@ -575,104 +555,15 @@ impl<'a> Gpu<'a> {
                     far: 0.0,
                     instance: 0,
                 };
-                draw.submit(&self.device, &mut self.timer, index)
+                draw.submit(&self.device, &mut self.timer, index)?;
+                if silhouettes {
+                    self.trace_silhouettes(index, extent, rays)?;
+                }
+                Ok(())
             }
-            // These ran before all others.
+            // These run before all others, or by run_each_sun.
             Work::Host(_) | Work::EachSun(..) => Ok(()),
         }
-    }
-
-    fn draw_by_cpu(&mut self, index: usize, extent: UVec2, rays: &[Ray]) -> Result<()> {
-        let start = Instant::now();
-        let geometry = &self.plan.conditions.geometry;
-        let mut number_of = vec![0u32; self.plan.conditions.scene.mesh.triangles.len()];
-        for (i, number) in self.triangles.numbers.iter().enumerate() {
-            number_of[*number as usize] = i as u32 + 1;
-        }
-        let numbers: Vec<u32> = rays
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map(|ray| {
-                let hit = geometry.closest(ray, 0.0, f64::INFINITY);
-                hit.map_or(0, |hit| number_of[hit.triangle as usize])
-            })
-            .collect();
-        let bytes: &[u8] = bytemuck::cast_slice(&numbers);
-        self.device.count(|t| t.uploaded += bytes.len() as u64);
-        self.device.queue.write_texture(
-            self.numbers.as_image_copy(),
-            bytes,
-            TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * extent.x),
-                rows_per_image: None,
-            },
-            Extent3d {
-                width: extent.x,
-                height: extent.y,
-                depth_or_array_layers: 1,
-            },
-        );
-        let stage = &mut self.stages[index];
-        stage.runs += 1;
-        stage.on_cpu += start.elapsed();
-        Ok(())
-    }
-
-    /// The slot that holds the maps of a point of the sun, drawn unless they are there.
-    fn maps_for(&mut self, sun: &SunPoint) -> Result<usize> {
-        let maps = self
-            .maps
-            .as_mut()
-            .expect("an effect that asks for the sun's maps runs only where the sun shines");
-        let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
-        let index = match kept {
-            Some(index) => index,
-            None if maps.slots.len() < maps.most_slots => {
-                let slot = maps.slot(&self.device, &self.pipelines)?;
-                maps.slots.push(slot);
-                maps.slots.len() - 1
-            }
-            // The last one changes hands: when points are gone through in turns, the others stay.
-            None => maps.slots.len() - 1,
-        };
-        let slot = &mut maps.slots[index];
-        if slot.filled && slot.toward == sun.toward {
-            // The same direction may come with another share of the light.
-            let light = light::fit(
-                self.plan.conditions,
-                &maps.casters,
-                sun,
-                maps.partitions,
-                maps.resolution,
-            );
-            self.device.write(&slot.light, &shared::uniform(&light));
-            return Ok(index);
-        }
-        let light = light::fit(
-            self.plan.conditions,
-            &maps.casters,
-            sun,
-            maps.partitions,
-            maps.resolution,
-        );
-        self.device.write(&slot.light, &shared::uniform(&light));
-        (slot.toward, slot.filled) = (sun.toward, true);
-        for k in 0..light.partitions {
-            maps.runs += 1;
-            let draw = Draw {
-                raster: &maps.raster,
-                groups: &[&self.common, &maps.group, &maps.slots[index].draw],
-                corners: &self.corners,
-                triangles: &self.triangles,
-                color: None,
-                depth: &maps.slots[index].views[k as usize],
-                far: 1.0,
-                instance: k,
-            };
-            draw.submit(&self.device, &mut self.timer, self.stages.len())?;
-        }
-        Ok(index)
     }
 
     /// Puts a tile into the picture.

@@ -6,7 +6,7 @@ use crate::conditions::Conditions;
 use crate::effect::Resource;
 use crate::error::Result;
 use crate::medium::{Phase, Shape};
-use crate::scene::Wrap;
+use crate::scene::{Geometry, Ray, Wrap};
 use glam::{DVec3, UVec2, Vec3};
 use std::collections::BTreeMap;
 use wgpu::{Buffer, BufferUsages};
@@ -19,6 +19,22 @@ pub struct Triangles {
     pub solid: u32,
     /// Least solid alpha of those with holes.
     least_alpha: Vec<Option<f64>>,
+    /// The number in the picture, from 1, of each of the scene's triangles; 0 for one that is not drawn.
+    drawn: Vec<u32>,
+}
+
+/// A triangle's plane.
+pub struct Plane {
+    point: DVec3,
+    /// Of any length.
+    normal: DVec3,
+}
+
+impl Plane {
+    /// Distance along a ray [m], not finite for a ray that runs beside it.
+    pub fn distance(&self, ray: &Ray) -> f64 {
+        self.normal.dot(self.point - ray.origin) / self.normal.dot(ray.direction)
+    }
 }
 
 impl Triangles {
@@ -30,11 +46,33 @@ impl Triangles {
         let count = solid.len() as u32;
         let mut all = solid;
         all.append(&mut cut_out);
+        let mut drawn = vec![0; conditions.scene.mesh.triangles.len()];
+        for ((number, _), i) in all.iter().zip(1..) {
+            drawn[*number as usize] = i;
+        }
         Triangles {
+            drawn,
             numbers: all.iter().map(|(number, _)| *number).collect(),
             solid: count,
             least_alpha: all.iter().map(|(_, least)| *least).collect(),
         }
+    }
+
+    /// The number in the picture of the triangle that a ray meets first, from 1; 0 for none.
+    pub fn number_met(&self, geometry: &Geometry, ray: &Ray) -> u32 {
+        let hit = geometry.closest(ray, 0.0, f64::INFINITY);
+        hit.map_or(0, |hit| self.drawn[hit.triangle as usize])
+    }
+
+    /// The planes in which they lie.
+    pub fn planes(&self, conditions: &Conditions) -> Vec<Plane> {
+        self.corners(conditions)
+            .chunks_exact(3)
+            .map(|p| Plane {
+                point: p[0],
+                normal: (p[1] - p[0]).cross(p[2] - p[0]),
+            })
+            .collect()
     }
 
     /// Corners of all of them [m], scene axes.

@@ -9,6 +9,8 @@ pub const COMMON: &str = concat!(
     include_str!("../../shaders/common/frame.wgsl"),
     include_str!("../../shaders/common/light.wgsl"),
     include_str!("../../shaders/common/media.wgsl"),
+    include_str!("../../shaders/common/runs.wgsl"),
+    include_str!("../../shaders/common/rows.wgsl"),
 );
 
 /// The most partitions that a light has.

@@ -27,13 +27,18 @@ pub(super) fn texture(
     })
 }
 
+/// Workgroups of 8 by 8 that cover a tile.
+pub(super) fn tile_groups(extent: UVec2) -> [u32; 2] {
+    [extent.x.div_ceil(8), extent.y.div_ceil(8)]
+}
+
 pub(super) fn dispatch(
     device: &Device,
     timer: &mut Timer,
     number: usize,
     pipeline: &ComputePipeline,
     groups: &[&BindGroup],
-    extent: UVec2,
+    over: [u32; 2],
 ) -> Result<()> {
     let timestamp_writes = timer.compute(device, number)?;
     let mut encoder = device.device.create_command_encoder(&Default::default());
@@ -46,7 +51,7 @@ pub(super) fn dispatch(
         for (group, i) in groups.iter().zip(0..) {
             pass.set_bind_group(i, *group, &[]);
         }
-        pass.dispatch_workgroups(extent.x.div_ceil(8), extent.y.div_ceil(8), 1);
+        pass.dispatch_workgroups(over[0], over[1], 1);
     }
     device.queue.submit([encoder.finish()]);
     device.check()

@@ -1,6 +1,8 @@
 //! What a plan's passes need on the device: pipelines, buffers, bindings, made once.
 
 use super::*;
+use crate::effect::Over;
+use std::collections::BTreeMap;
 
 /// Makes what the passes of a plan name.
 pub(super) struct Maker<'m, 'a> {
@@ -14,6 +16,8 @@ pub(super) struct Maker<'m, 'a> {
     pub stages: Vec<Stage<'a>>,
     pub maps: Option<SunMaps>,
     pub from_host: Vec<Field>,
+    pub pixels: u64,
+    pub scratch: BTreeMap<(&'static str, &'static str), Buffer>,
 }
 
 impl<'a> Maker<'_, 'a> {
@@ -32,6 +36,7 @@ impl<'a> Maker<'_, 'a> {
                     finds_surfaces: false,
                     runs: 0,
                     on_cpu: Duration::ZERO,
+                    counted: [0; 2],
                 });
                 self.from_host.extend(effect.writes);
                 continue;
@@ -84,10 +89,12 @@ impl<'a> Maker<'_, 'a> {
             let raster = self
                 .pipelines
                 .raster(self.device, effect, pass, &layout, holes);
-            if pass.kind == Kind::SunMaps {
+            if matches!(pass.kind, Kind::SunMaps) {
                 self.maps = Some(self.sun_maps(settings, raster, group)?);
             } else {
-                self.push(effect, pass, Work::Picture(raster, group), finds_surfaces);
+                let silhouettes = settings.get("silhouettes") > 0.5;
+                let work = Work::Picture(raster, group, silhouettes);
+                self.push(effect, pass, work, finds_surfaces);
             }
             return Ok(());
         }
@@ -95,16 +102,58 @@ impl<'a> Maker<'_, 'a> {
         for field in each {
             let group = self.group(effect, pass, settings, &layout, field)?;
             let work = match pass.kind {
-                Kind::EachSun(knob) => {
-                    let count = settings.get(knob) as usize;
-                    let suns = self.plan.conditions.sun.points(count);
-                    Work::EachSun(pipeline.clone(), group, suns)
-                }
+                Kind::EachSun(knob, over) => Work::EachSun(EachSun {
+                    pipeline: pipeline.clone(),
+                    group,
+                    scratch: self.scratch(effect, pass, settings)?,
+                    suns: self.plan.conditions.sun.points(settings.get(knob) as usize),
+                    groups: match over {
+                        Over::Pixels => None,
+                        Over::Groups(count) => Some(count(settings)),
+                    },
+                }),
                 _ => Work::Pixels(pipeline.clone(), group),
             };
             self.push(effect, pass, work, finds_surfaces);
         }
         Ok(())
+    }
+
+    /// What a pass leaves for the later ones of its effect: one buffer of each name.
+    fn scratch(
+        &mut self,
+        effect: &'static str,
+        pass: &Pass,
+        settings: &Settings,
+    ) -> Result<Option<BindGroup>> {
+        let Some(layout) = self.pipelines.scratch(self.device, pass) else {
+            return Ok(None);
+        };
+        let mut buffers = Vec::with_capacity(pass.scratch.len());
+        for scratch in pass.scratch {
+            let key = (effect, scratch.name);
+            if !self.scratch.contains_key(&key) {
+                let bytes = (scratch.bytes)(settings, self.pixels);
+                let usage = BufferUsages::STORAGE;
+                let made = self.device.buffer(scratch.name, bytes, usage)?;
+                self.scratch.insert(key, made);
+            }
+            buffers.push(self.scratch[&key].clone());
+        }
+        let entries: Vec<BindGroupEntry> = buffers
+            .iter()
+            .zip(0..)
+            .map(|(buffer, binding)| BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let group = self.device.device.create_bind_group(&BindGroupDescriptor {
+            label: Some("scratch"),
+            layout: &layout,
+            entries: &entries,
+        });
+        Ok(Some(group))
     }
 
     pub(super) fn push(
@@ -121,6 +170,7 @@ impl<'a> Maker<'_, 'a> {
             finds_surfaces,
             runs: 0,
             on_cpu: Duration::ZERO,
+            counted: [0; 2],
         });
     }
 

@@ -1,0 +1,308 @@
+// The rectified map: rows around the sun's direction as seen from the eye, read by the effects that have such rows. See
+// src/effect/rows.rs.
+
+// Least and greatest row coordinate, a and c that the tile's pixels ask for, as integers of the same order.
+@group(3) @binding(0) var<storage, read_write> asked: array<atomic<u32>, 16>;
+// Eight columns each, 16 bits a column.
+@group(3) @binding(1) var<storage, read_write> leaves: array<vec4u>;
+// Least (low half) and greatest (high half) threshold of four children each: of 8, then of 32, then of 128 columns.
+@group(3) @binding(2) var<storage, read_write> nodes: array<vec4u>;
+
+// What lies along a ray in its slice.
+struct Slice {
+    // Azimuth around the sun from that of the tile's middle; in an orthographic view the offset of the plane.
+    row: f32,
+    // Distance from the axis, and height toward the sun, where the ray begins; sine and cosine of its angle from the sun.
+    start: f32,
+    base: f32,
+    sine: f32,
+    cosine: f32,
+    // What is compared with a place's threshold.
+    c: f32,
+}
+
+struct Rows {
+    count: u32,
+    columns: u32,
+    first: f32,
+    step: f32,
+    // Columns: a + bend = (least + bend) exp(rate x).
+    least: f32,
+    bend: f32,
+    rate: f32,
+    width: f32,
+    // Thresholds in 16 bits: 1 + (c - low) scale.
+    low: f32,
+    scale: f32,
+}
+
+fn ordered(x: f32) -> u32 {
+    let bits = bitcast<u32>(x);
+    return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
+}
+
+fn from_ordered(bits: u32) -> f32 {
+    return bitcast<f32>(select(~bits, bits & 0x7fffffffu, bits >= 0x80000000u));
+}
+
+// Whether any pixel asks for rows.
+fn is_asked() -> bool {
+    return atomicLoad(&asked[0]) <= atomicLoad(&asked[1]);
+}
+
+fn rows_of(count: u32, columns: u32) -> Rows {
+    let row = vec2f(from_ordered(atomicLoad(&asked[0])), from_ordered(atomicLoad(&asked[1])));
+    let a = vec2f(from_ordered(atomicLoad(&asked[2])), from_ordered(atomicLoad(&asked[3])));
+    let c = vec2f(from_ordered(atomicLoad(&asked[4])), from_ordered(atomicLoad(&asked[5])));
+    var rows: Rows;
+    rows.count = count;
+    rows.columns = columns;
+    rows.first = row.x;
+    rows.step = max(row.y - row.x, 1e-7 * max(abs(row.x), abs(row.y)) + 1e-30) / f32(count);
+    rows.least = a.x;
+    rows.width = max(a.y - a.x, 1e-6 * max(abs(a.x), abs(a.y)) + 1e-30);
+    if frame.projection == 1u {
+        // Parallel rays are as dense everywhere.
+        rows.bend = 0.0;
+        rows.rate = 0.0;
+    } else {
+        rows.bend = 0.05 * a.y;
+        rows.rate = log((a.x + rows.width + rows.bend) / (a.x + rows.bend));
+    }
+    // A little more than the range, so that equal thresholds still differ.
+    let pad = 1e-3 * (c.y - c.x) + 1e-6 * max(abs(c.x), abs(c.y)) + 1e-30;
+    rows.low = c.x - pad;
+    rows.scale = 65533.0 / (c.y - c.x + 2.0 * pad);
+    return rows;
+}
+
+// Distance from the axis at a place x of a row, 0 to 1.
+fn across_of(rows: Rows, x: f32) -> f32 {
+    if rows.rate < 1e-3 {
+        return rows.least + rows.width * x;
+    }
+    return (rows.least + rows.bend) * exp(rows.rate * x) - rows.bend;
+}
+
+fn place_of(rows: Rows, a: f32) -> f32 {
+    if rows.rate < 1e-3 {
+        return (a - rows.least) / rows.width;
+    }
+    return log(max((a + rows.bend) / (rows.least + rows.bend), 1e-30)) / rows.rate;
+}
+
+fn threshold_bits(rows: Rows, d: f32) -> u32 {
+    return u32(clamp(round(1.0 + (d - rows.low) * rows.scale), 0.0, 65535.0));
+}
+
+fn axis_parts(direction: vec3f) -> vec3f {
+    return vec3f(dot(light.across.xyz, direction), dot(light.along.xyz, direction), dot(light.height.xyz, direction));
+}
+
+// The direction across the light from which rows of a tile are counted; in an orthographic view that of all slices.
+fn reference_across() -> vec2f {
+    let middle = (frame.extent.y / 2u) * frame.extent.x + frame.extent.x / 2u;
+    let across = axis_parts(rays[middle].xyz).xy;
+    let size = length(across);
+    return select(vec2f(1.0, 0.0), across / size, size > 1e-6);
+}
+
+fn slice_of(origin: vec3f, direction: vec3f) -> Slice {
+    let d = axis_parts(direction);
+    let e = reference_across();
+    var slice: Slice;
+    slice.sine = length(d.xy);
+    slice.cosine = d.z;
+    if frame.projection == 1u {
+        let o = axis_parts(origin);
+        slice.row = e.x * o.y - e.y * o.x;
+        slice.start = dot(e, o.xy);
+        slice.base = o.z;
+        slice.c = slice.base * slice.sine - slice.start * slice.cosine;
+        return slice;
+    }
+    if slice.sine > 0.0 {
+        slice.row = atan2(e.x * d.y - e.y * d.x, dot(e, d.xy));
+    }
+    slice.c = slice.cosine / (abs(slice.cosine) + slice.sine);
+    return slice;
+}
+
+// Light coordinates of the place at distance a from the axis in a slice.
+fn slice_place(row: f32, a: f32) -> vec2f {
+    let e = reference_across();
+    let eye = vec2f(light.across.w, light.along.w);
+    if frame.projection == 1u {
+        return eye + a * e + row * vec2f(-e.y, e.x);
+    }
+    let turn = vec2f(cos(row), sin(row));
+    return eye + a * vec2f(turn.x * e.x - turn.y * e.y, turn.x * e.y + turn.y * e.x);
+}
+
+// Height over the eye, toward the sun, of the first surface that the light meets at a place; far below where there is none.
+fn slice_height(at: vec2f) -> f32 {
+    if any(at < light.casters.xy) || any(at > light.casters.zw) {
+        return -1e30;
+    }
+    let k = covering(at, 0.0);
+    if k == light.partitions {
+        return -1e30;
+    }
+    return caster_height(k, vec2i((at - light.maps[k].least) / light.maps[k].texel)) - light.height.w;
+}
+
+// What a ray's c is compared with: lit where c is not less.
+fn slice_threshold(slice: Slice, h: f32, a: f32) -> f32 {
+    if frame.projection == 1u {
+        return h * slice.sine - a * slice.cosine;
+    }
+    let sum = abs(h) + a;
+    return select(h / sum, -1.0, sum <= 0.0);
+}
+
+// Whether a ray runs so nearly along the light that one place across it decides for all of the ray.
+fn along_light(slice: Slice, span: vec2f) -> bool {
+    let texel = min(light.maps[0].texel.x, light.maps[0].texel.y);
+    return (span.y - span.x) * slice.sine < 0.5 * texel || slice.sine < 1e-6;
+}
+
+// Where such a ray turns from dark to light (or, away from the sun, from light to dark).
+fn turn_along_light(slice: Slice, span: vec2f) -> f32 {
+    let a = slice.start + 0.5 * (span.x + span.y) * slice.sine;
+    let t = (slice_height(slice_place(slice.row, a)) - slice.base) / slice.cosine;
+    return clamp(t, span.x, span.y);
+}
+
+// A ray on its way through a row: the threshold that it keeps, and the columns that it crosses.
+struct Crossing {
+    c: f32,
+    first: u32,
+    last: u32,
+}
+
+fn crossing_of(rows: Rows, slice: Slice, shaded: vec2f) -> Crossing {
+    let columns = f32(rows.columns);
+    let from_column = place_of(rows, slice.start + shaded.x * slice.sine) * columns;
+    let to_column = place_of(rows, slice.start + shaded.y * slice.sine) * columns;
+    let first = u32(clamp(floor(from_column), 0.0, columns - 1.0));
+    return Crossing(1.0 + (slice.c - rows.low) * rows.scale, first,
+                    u32(clamp(ceil(to_column), f32(first) + 1.0, columns)));
+}
+
+// The ray's distance at which a column begins, within the part that can be shaded.
+fn column_distance(rows: Rows, slice: Slice, span: Span, column: u32) -> f32 {
+    let a = across_of(rows, f32(column) / f32(rows.columns));
+    return clamp((a - slice.start) / slice.sine, span.shaded.x, span.shaded.y);
+}
+
+// Whether a node's or leaf's thresholds, least and greatest, are all lit (1), all dark (0), or not known (2).
+fn seen(c: f32, entry: u32) -> u32 {
+    return select(select(2u, 0u, c < f32(entry & 0xffffu)), 1u, c >= f32(entry >> 16u));
+}
+
+// Sunlight that a ray scatters to the eye [1/sr]: shaded by one row, or by the one place that a ray along the light meets.
+// The row's columns are gone through from the eye outward, in the largest nodes that are lit or dark as a whole.
+fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32) -> vec3f {
+    begin_runs(origin, direction, span.air);
+    let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
+    let crossing = crossing_of(rows, slice, span.shaded);
+    let blocks = rows.columns / 8u;
+    let first_leaf = row * blocks;
+    let low = row * 21u * (blocks / 64u);
+    let middle = low + blocks / 4u;
+    let high = middle + blocks / 16u;
+    var column = select(crossing.first, crossing.last, along);
+    var level = 3u;
+    var leaf = vec4u(0u);
+    var node1 = vec4u(0u);
+    var node2 = vec4u(0u);
+    var node3 = vec4u(0u);
+    // What comes behind the last column: a ray along the light turns twice, all is lit, the air ends.
+    var last = select(2u, select(0u, 2u, span.shaded.y <= span.shaded.x), along);
+    if !along {
+        count_nodes(1u);
+        node3 = nodes[high + column / 512u];
+    }
+    loop {
+        var lit = true;
+        var t = span.shaded.y;
+        if column < crossing.last {
+            var state: u32;
+            var size: u32;
+            switch level {
+                case 3u: {
+                    state = seen(crossing.c, node3[(column / 128u) % 4u]);
+                    size = 128u;
+                    if state == 2u {
+                        node2 = nodes[middle + column / 128u];
+                    }
+                }
+                case 2u: {
+                    state = seen(crossing.c, node2[(column / 32u) % 4u]);
+                    size = 32u;
+                    if state == 2u {
+                        node1 = nodes[low + column / 32u];
+                    }
+                }
+                case 1u: {
+                    state = seen(crossing.c, node1[(column / 8u) % 4u]);
+                    size = 8u;
+                    if state == 2u {
+                        leaf = leaves[first_leaf + column / 8u];
+                    }
+                }
+                default: {
+                    let pair = leaf[(column / 2u) % 4u];
+                    let d = select(pair & 0xffffu, pair >> 16u, (column & 1u) != 0u);
+                    state = select(0u, 1u, crossing.c >= f32(d));
+                    size = 1u;
+                }
+            }
+            if state == 2u {
+                level -= 1u;
+                if level == 0u {
+                    count_reads(1u);
+                } else {
+                    count_nodes(1u);
+                }
+                continue;
+            }
+            lit = state == 1u;
+            if lit != run_lit {
+                // The first column begins before the ray does.
+                t = select(column_distance(rows, slice, span, column), span.shaded.x, column <= crossing.first);
+            }
+            column = (column / size + 1u) * size;
+            if column % 8u == 0u {
+                level = select(select(select(1u, 2u, column % 32u == 0u), 3u, column % 128u == 0u), 3u, level == 3u);
+                if column % 512u == 0u && column < crossing.last {
+                    count_nodes(1u);
+                    node3 = nodes[high + column / 512u];
+                }
+            }
+        } else {
+            switch last {
+                case 0u: {
+                    lit = slice.cosine < 0.0;
+                    t = span.shaded.x;
+                }
+                case 1u: {
+                    count_reads(1u);
+                    lit = slice.cosine >= 0.0;
+                    t = turn_along_light(slice, span.shaded);
+                }
+                case 2u: {}
+                default: {
+                    lit = false;
+                    t = span.air.y;
+                }
+            }
+            last += 1u;
+        }
+        turn(lit, t);
+        if last > 3u {
+            break;
+        }
+    }
+    return run_sum;
+}

@@ -1,0 +1,48 @@
+// Sunlight scattered by the air, marched: in even steps over the part of the ray that anything can shade, the middle of a
+// step says whether it is lit; runs of lit steps are integrated in closed form.
+
+@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
+@group(1) @binding(1) var<storage, read_write> inscatter: array<vec4f>;
+// The number of steps; whether they are shifted.
+@group(1) @binding(2) var<storage, read> knobs: array<f32>;
+
+// Interleaved gradient noise, 0 to 1 (Jimenez 2014).
+fn noise(pixel: vec2u) -> f32 {
+    return fract(52.9829189 * fract(dot(vec2f(pixel % 4096u), vec2f(0.06711056, 0.00583715))));
+}
+
+@compute @workgroup_size(8, 8)
+fn march(@builtin(global_invocation_id) id: vec3u) {
+    if !inside_tile(id) {
+        return;
+    }
+    let i = pixel_index(id);
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let span = shaded_span(origin, direction, surfaces[i].distance);
+    if span.air.y <= span.air.x {
+        return;
+    }
+    begin_runs(origin, direction, span.air);
+    let steps = u32(knobs[0]);
+    let step = (span.shaded.y - span.shaded.x) / f32(steps);
+    // A shifted march has one step more, the first and the last in part.
+    let shift = select(0.0, noise(frame.tile + id.xy), knobs[1] > 0.5);
+    let count = select(0u, steps + u32(shift > 0.0), step > 0.0);
+    count_reads(count);
+    // Behind the last step all is lit, and the air ends.
+    for (var k = 0u; k < count + 2u; k++) {
+        var t = span.shaded.y;
+        var lit = k == count;
+        if k < count {
+            t = max(span.shaded.x + (f32(k) - shift) * step, span.shaded.x);
+            let next = min(span.shaded.x + (f32(k) + 1.0 - shift) * step, span.shaded.y);
+            lit = sun_reaches(origin + 0.5 * (t + next) * direction);
+        } else if k > count {
+            t = span.air.y;
+        }
+        turn(lit, t);
+    }
+    inscatter[i] += vec4f(light.illuminance * run_sum, 0.0);
+    report_counts();
+}

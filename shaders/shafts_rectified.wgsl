@@ -1,0 +1,33 @@
+// Sunlight scattered by the air between the exact borders of light and shadow that a row of the rectified map holds.
+
+@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
+// The numbers of rows, of columns, and of rows that a pixel reads.
+@group(1) @binding(1) var<storage, read> knobs: array<f32>;
+@group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
+
+@compute @workgroup_size(8, 8)
+fn integrate(@builtin(global_invocation_id) id: vec3u) {
+    if !inside_tile(id) {
+        return;
+    }
+    let i = pixel_index(id);
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let span = shaded_span(origin, direction, surfaces[i].distance);
+    if span.air.y <= span.air.x {
+        return;
+    }
+    let slice = slice_of(origin, direction);
+    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let place = (slice.row - rows.first) / rows.step;
+    // Two rows share by the pixel's place between their middles.
+    let blended = knobs[2] > 1.5;
+    let between = clamp(select(floor(place), place - 0.5, blended), 0.0, f32(rows.count - 1u));
+    let share = fract(between);
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < select(1u, 2u, share > 0.0); k++) {
+        sum += abs(1.0 - f32(k) - share) * scattered_in_row(origin, direction, slice, span, rows, u32(between) + k);
+    }
+    inscatter[i] += vec4f(light.illuminance * sum, 0.0);
+    report_counts();
+}

@@ -1,0 +1,49 @@
+//! Sunlight in the air by marching: what games do, and the baseline of every comparison.
+//!
+//! Even steps over the part of the ray that anything can shade; the middle of a step says whether all of it is lit, and runs
+//! of lit steps are integrated with analytic transmittance, split at the faces of boxes. With `jitter` each pixel's steps are
+//! shifted by a share of their own (Jorge Jimenez's interleaved gradient noise), which turns bands into noise of the same
+//! error. A thing thinner than a step is seen or missed by chance: the error falls only as 1 / steps.
+
+use super::shafts::{self, Method, SUNS};
+use super::{Effect, Field, Kind, Knob, Over, Pass, Resource};
+
+/// Marching.
+pub const SHAFTS_MARCH: Effect = Effect {
+    name: "shafts_march",
+    summary: "sunlight scattered by the air, in even steps",
+    reads: &[Field::Surface],
+    writes: &[Field::InscatterSun],
+    remembers: false,
+    method: Some(Method::March),
+    knobs: &[
+        SUNS,
+        Knob {
+            name: "steps",
+            meaning: "steps along each ray",
+            values: [64.0, 192.0, 512.0, 2048.0],
+            range: [1.0, 65536.0],
+        },
+        Knob {
+            name: "jitter",
+            meaning: "1: each pixel's steps are shifted by a share of their own; 0: not",
+            values: [0.0; 4],
+            range: [0.0, 1.0],
+        },
+    ],
+    decide: shafts::decide,
+    reference: shafts::reference,
+    passes: &[Pass {
+        shader: include_str!("../../shaders/shafts_march.wgsl"),
+        entry: "march",
+        kind: Kind::EachSun("suns", Over::Pixels),
+        uses: &[
+            Resource::Read(Field::Surface),
+            Resource::Update(Field::InscatterSun),
+            Resource::Table(|_, settings| {
+                vec![settings.get("steps") as f32, settings.get("jitter") as f32]
+            }),
+        ],
+        scratch: &[],
+    }],
+};

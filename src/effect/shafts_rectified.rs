@@ -1,0 +1,56 @@
+//! Sunlight in the air between exact borders of light and shadow: the main method.
+//!
+//! A pixel finds its row of the rectified map ([`super::rows`]) and goes through the row's tree from the eye outward: a node
+//! whose d are all below the ray's c is lit, one whose d are all above is dark, any other is opened. What comes out are the
+//! lit runs of the ray; each is integrated in closed form, or by Gauss-Legendre quadrature where media of several kinds
+//! overlap. There is no step. What is left of error is the width of rows and columns and of the maps' texels, and falls with
+//! each of them.
+//!
+//! With two rows a pixel their light is blended by the pixel's place between them; a pixel then uses its own end with a
+//! neighbour's heights, which darkens the last cells at silhouettes and on grazing ground. One row is the default.
+
+use super::shafts::{self, Method, SUNS};
+use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, rows};
+
+/// The main method.
+pub const SHAFTS_RECTIFIED: Effect = Effect {
+    name: "shafts_rectified",
+    summary: "sunlight scattered by the air, between exact shadows in rows around the sun",
+    reads: &[Field::Surface],
+    writes: &[Field::InscatterSun],
+    remembers: false,
+    method: Some(Method::Rectified),
+    knobs: &[
+        SUNS,
+        rows::ROWS,
+        rows::COLUMNS,
+        Knob {
+            name: "blend",
+            meaning: "rows that a pixel reads, 1 or 2",
+            values: [1.0; 4],
+            range: [1.0, 2.0],
+        },
+    ],
+    decide: shafts::decide,
+    reference: shafts::reference,
+    passes: &[
+        rows::BEGIN,
+        rows::MEASURE,
+        rows::BUILD,
+        Pass {
+            shader: include_str!("../../shaders/shafts_rectified.wgsl"),
+            entry: "integrate",
+            kind: Kind::EachSun("suns", Over::Pixels),
+            uses: &[
+                Resource::Read(Field::Surface),
+                Resource::Table(|_, settings| {
+                    let mut table = rows::table(settings);
+                    table.push(settings.get("blend") as f32);
+                    table
+                }),
+                Resource::Update(Field::InscatterSun),
+            ],
+            scratch: &rows::SCRATCH,
+        },
+    ],
+};

@@ -1,0 +1,179 @@
+//! What the CPU does of a tile: effects without passes, panoramas, and pixels at silhouettes.
+
+use super::*;
+
+impl Gpu<'_> {
+    /// What the effects without passes add to fields.
+    pub(super) fn host(
+        &mut self,
+        rays: &[Ray],
+        pixels: Vec<UVec2>,
+        extent: UVec2,
+    ) -> Result<Vec<(Field, Vec<[f32; 4]>)>> {
+        let conditions = self.plan.conditions;
+        let bytes = self.read(&[Field::Surface])?;
+        let numbers: Vec<u32> = (0..(extent.x * extent.y) as usize)
+            .map(|i| surface_word(&bytes, i, 7).to_bits())
+            .collect();
+        let working = Space::Rec709.to_working();
+        let triangles = &self.triangles.numbers;
+        let mut chunks: Vec<Fields> = (0..rays.len())
+            .step_by(CHUNK)
+            .map(|from| {
+                let to = (from + CHUNK).min(rays.len());
+                Fields::new(
+                    rays[from..to].to_vec(),
+                    pixels[from..to].to_vec(),
+                    &self.written,
+                )
+            })
+            .collect();
+        chunks.par_iter_mut().enumerate().for_each(|(c, fields)| {
+            for (i, surface) in fields.surfaces.iter_mut().enumerate() {
+                let ray = &fields.rays[i];
+                *surface = match numbers[c * CHUNK + i] {
+                    0 | 1 => ground_surface(conditions, ray),
+                    n => known_surface(conditions, ray, triangles[n as usize - 2], working),
+                };
+            }
+        });
+        for stage in &mut self.stages {
+            if let Work::Host(batch) = &stage.work {
+                let start = Instant::now();
+                chunks.par_iter_mut().for_each(batch);
+                stage.on_cpu += start.elapsed();
+                stage.runs += 1;
+            }
+        }
+        let values = |field: Field| -> Vec<[f32; 4]> {
+            chunks
+                .iter()
+                .flat_map(|fields| fields.get(field).into_iter().flatten())
+                .map(|v| v.as_vec3().extend(0.0).to_array())
+                .collect()
+        };
+        Ok(self.from_host.iter().map(|f| (*f, values(*f))).collect())
+    }
+
+    /// Finds the triangles of a panorama, which cannot be rasterised.
+    pub(super) fn draw_by_cpu(&mut self, index: usize, extent: UVec2, rays: &[Ray]) -> Result<()> {
+        let start = Instant::now();
+        let geometry = &self.plan.conditions.geometry;
+        let triangles = &self.triangles;
+        let numbers: Vec<u32> = rays
+            .par_iter()
+            .with_min_len(CHUNK)
+            .map(|ray| triangles.number_met(geometry, ray))
+            .collect();
+        self.write_numbers(&numbers, extent);
+        let stage = &mut self.stages[index];
+        stage.runs += 1;
+        stage.on_cpu += start.elapsed();
+        Ok(())
+    }
+
+    /// Traces the rays of pixels at silhouettes. A rasteriser rounds corners to parts of a pixel, so that one pixel in some
+    /// hundreds of them would show what stands beside its ray: there the light of the air may be another altogether.
+    pub(super) fn trace_silhouettes(
+        &mut self,
+        index: usize,
+        extent: UVec2,
+        rays: &[Ray],
+    ) -> Result<()> {
+        let drawn = self.read_numbers(extent)?;
+        let start = Instant::now();
+        let geometry = &self.plan.conditions.geometry;
+        let triangles = &self.triangles;
+        let planes = &self.planes;
+        let (w, h) = (extent.x as i32, extent.y as i32);
+        let numbers: Vec<u32> = (0..w * h)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|i| {
+                let own = drawn[i as usize];
+                let (x, y) = (i % w, i / w);
+                let ray = &rays[i as usize];
+                let at = |number: u32| planes[number as usize - 1].distance(ray);
+                let beside = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
+                let is_silhouette = beside
+                    .filter(|(x, y)| (0..w).contains(x) && (0..h).contains(y))
+                    .map(|(x, y)| drawn[(y * w + x) as usize])
+                    .filter(|other| *other != own)
+                    .any(|other| {
+                        // Two planes that the ray meets at one place are a crease, which hides nothing.
+                        own == 0 || other == 0 || {
+                            let (own, other) = (at(own), at(other));
+                            (own - other).abs() > 0.01 * own.abs() || !other.is_finite()
+                        }
+                    });
+                if is_silhouette {
+                    triangles.number_met(geometry, ray)
+                } else {
+                    own
+                }
+            })
+            .collect();
+        if numbers != drawn {
+            self.write_numbers(&numbers, extent);
+        }
+        self.stages[index].on_cpu += start.elapsed();
+        Ok(())
+    }
+
+    /// The numbers of the tile's triangles, as they were drawn.
+    fn read_numbers(&self, extent: UVec2) -> Result<Vec<u32>> {
+        let pitch = numbers_pitch(extent.x);
+        let mut encoder = self
+            .device
+            .device
+            .create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            self.numbers.as_image_copy(),
+            TexelCopyBufferInfo {
+                buffer: &self.staging,
+                layout: TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(pitch),
+                    rows_per_image: None,
+                },
+            },
+            Extent3d {
+                width: extent.x,
+                height: extent.y,
+                depth_or_array_layers: 1,
+            },
+        );
+        self.device.queue.submit([encoder.finish()]);
+        let bytes = self
+            .device
+            .read(&self.staging, u64::from(pitch) * u64::from(extent.y))?;
+        Ok(bytes
+            .chunks_exact(pitch as usize)
+            .flat_map(|row| bytemuck::pod_collect_to_vec::<u8, u32>(&row[..4 * extent.x as usize]))
+            .collect())
+    }
+
+    fn write_numbers(&self, numbers: &[u32], extent: UVec2) {
+        let bytes: &[u8] = bytemuck::cast_slice(numbers);
+        self.device.count(|t| t.uploaded += bytes.len() as u64);
+        self.device.queue.write_texture(
+            self.numbers.as_image_copy(),
+            bytes,
+            TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * extent.x),
+                rows_per_image: None,
+            },
+            Extent3d {
+                width: extent.x,
+                height: extent.y,
+                depth_or_array_layers: 1,
+            },
+        );
+    }
+}
+
+/// Bytes from row to row of numbers that are read back.
+pub(super) fn numbers_pitch(width: u32) -> u32 {
+    (4 * width).next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT)
+}

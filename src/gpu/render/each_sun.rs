@@ -1,0 +1,129 @@
+//! Passes that run once for each point of the sun's disc, and the shadow maps of that point.
+
+use super::*;
+
+impl Gpu<'_> {
+    /// How many stages from this one on run in turns, point of the sun by point: those of one effect that follow each other.
+    pub(super) fn together(&self, first: usize) -> usize {
+        let of = |stage: &Stage| match &stage.work {
+            Work::EachSun(_) => Some(stage.effect),
+            _ => None,
+        };
+        let Some(effect) = of(&self.stages[first]) else {
+            return 1;
+        };
+        self.stages[first..]
+            .iter()
+            .take_while(|stage| of(stage) == Some(effect))
+            .count()
+    }
+
+    pub(super) fn run_each_sun(
+        &mut self,
+        stages: std::ops::Range<usize>,
+        extent: UVec2,
+    ) -> Result<()> {
+        let suns = match &self.stages[stages.start].work {
+            Work::EachSun(each) => each.suns.clone(),
+            _ => Vec::new(),
+        };
+        for sun in &suns {
+            let slot = self.maps_for(sun)?;
+            for index in stages.clone() {
+                let stage = &mut self.stages[index];
+                stage.runs += 1;
+                let (Work::EachSun(each), Some(maps)) = (&stage.work, &self.maps) else {
+                    continue;
+                };
+                let mut groups = vec![&self.common, &each.group, &maps.slots[slot].ask];
+                groups.extend(&each.scratch);
+                let over = each.groups.unwrap_or(tile_groups(extent));
+                let pipeline = &each.pipeline;
+                dispatch(
+                    &self.device,
+                    &mut self.timer,
+                    index,
+                    pipeline,
+                    &groups,
+                    over,
+                )?;
+                if self.counting {
+                    self.take_counts(index)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds what the last pass counted to its stage.
+    fn take_counts(&mut self, index: usize) -> Result<()> {
+        let mut encoder = self
+            .device
+            .device
+            .create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.counts, 0, &self.staging, 0, 8);
+        encoder.clear_buffer(&self.counts, 0, None);
+        self.device.queue.submit([encoder.finish()]);
+        let bytes = self.device.read(&self.staging, 8)?;
+        for (sum, word) in self.stages[index].counted.iter_mut().zip(0..) {
+            *sum += u64::from(float(&bytes, word).to_bits());
+        }
+        Ok(())
+    }
+
+    /// The slot that holds the maps of a point of the sun, drawn unless they are there.
+    fn maps_for(&mut self, sun: &SunPoint) -> Result<usize> {
+        let maps = self
+            .maps
+            .as_mut()
+            .expect("an effect that asks for the sun's maps runs only where the sun shines");
+        let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
+        let index = match kept {
+            Some(index) => index,
+            None if maps.slots.len() < maps.most_slots => {
+                let slot = maps.slot(&self.device, &self.pipelines)?;
+                maps.slots.push(slot);
+                maps.slots.len() - 1
+            }
+            // The last one changes hands: when points are gone through in turns, the others stay.
+            None => maps.slots.len() - 1,
+        };
+        let slot = &mut maps.slots[index];
+        if slot.filled && slot.toward == sun.toward {
+            // The same direction may come with another share of the light.
+            let light = light::fit(
+                self.plan.conditions,
+                &maps.casters,
+                sun,
+                maps.partitions,
+                maps.resolution,
+            );
+            self.device.write(&slot.light, &shared::uniform(&light));
+            return Ok(index);
+        }
+        let light = light::fit(
+            self.plan.conditions,
+            &maps.casters,
+            sun,
+            maps.partitions,
+            maps.resolution,
+        );
+        self.device.write(&slot.light, &shared::uniform(&light));
+        (slot.toward, slot.filled) = (sun.toward, true);
+        for k in 0..light.partitions {
+            maps.runs += 1;
+            let draw = Draw {
+                raster: &maps.raster,
+                groups: &[&self.common, &maps.group, &maps.slots[index].draw],
+                corners: &self.corners,
+                triangles: &self.triangles,
+                color: None,
+                depth: &maps.slots[index].views[k as usize],
+                far: 1.0,
+                instance: k,
+            };
+            draw.submit(&self.device, &mut self.timer, self.stages.len())?;
+        }
+        Ok(index)
+    }
+}
