@@ -14,7 +14,7 @@ use tyndall::gpu::{Choice, Device, Gpu, Rendered};
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality, Step};
 use tyndall::reference::Reference;
-use tyndall::scene::{self, Camera, Projection, SunEntry};
+use tyndall::scene::{self, Camera, Projection, Scene, SunEntry};
 
 const DEG: f64 = PI / 180.0;
 type Settings<'a> = &'a [(&'a str, f64)];
@@ -149,6 +149,17 @@ fn disagreements(found: &Frame, truth: &Frame) -> Vec<String> {
     complaints
 }
 
+/// The scene that is built in, with its own place, time and camera.
+fn nave() -> Conditions {
+    let scene = Scene::builtin(scene::BUILTIN[0]).expect("it is sound");
+    let request = Request {
+        size: Some(SIZE),
+        samples: Some(1),
+        ..Request::default()
+    };
+    Conditions::new(scene, &request).expect("it is sound")
+}
+
 /// Scenes by others, in haze as high as themselves.
 fn real_scenes(test: &str) -> Vec<(String, Conditions)> {
     let Some(folder) = common::data(test) else {
@@ -198,7 +209,11 @@ fn every_layer_agrees_with_the_reference() {
     }
     let made = [slats(1.0), colonnade(), hills(), into_the_sun()];
     let made = made.map(|view| (view.name.to_owned(), view.conditions()));
-    for (name, conditions) in made.into_iter().chain(real_scenes(test)) {
+    for (name, conditions) in made
+        .into_iter()
+        .chain([("nave".to_owned(), nave())])
+        .chain(real_scenes(test))
+    {
         eprintln!("{name}");
         let found = by_gpu(&conditions, ADEQUATE);
         let complaints = disagreements(&found, &by_reference(&conditions));

@@ -77,30 +77,44 @@ fn first() {
 }
 
 #[test]
-fn worst() {
-    for view in [colonnade(), hills()] {
-        let conditions = conditions(view.scene.clone(), view.camera, [256, 192]);
-        let truth = by_reference(&conditions, &[]);
-        let found = by_gpu(&conditions, Method::Rectified, &[]).frame;
-        let (a, b) = (
-            layer(&found, Field::InscatterSun),
-            layer(&truth, Field::InscatterSun),
-        );
-        let mut order: Vec<usize> = (0..a.len()).collect();
-        order.sort_by(|&i, &j| (a[j].x - b[j].x).abs().total_cmp(&(a[i].x - b[i].x).abs()));
-        let total: f64 = a.iter().zip(&b).map(|(a, b)| (a.x - b.x).powi(2)).sum();
-        for &i in &order[..12] {
-            eprintln!(
-                "{} {} {}: {:.1} {:.1} depth {} {} share {:.3}",
-                view.name,
-                i % 256,
-                i / 256,
-                a[i].x,
-                b[i].x,
-                found.depth[i],
-                truth.depth[i],
-                (a[i].x - b[i].x).powi(2) / total
-            );
+fn grid() {
+    let scene = tyndall::scene::Scene::builtin(tyndall::scene::BUILTIN[0]).unwrap();
+    let request = tyndall::conditions::Request {
+        size: Some([256, 160]),
+        samples: Some(1),
+        ..Default::default()
+    };
+    let nave = Conditions::new(scene, &request).unwrap();
+    let slats = conditions(slats(1.0).scene.clone(), slats(1.0).camera, [256, 192]);
+    for (name, conditions) in [("nave", &nave), ("slats", &slats)] {
+        let truth = by_reference(conditions, &[("shafts.suns", 1.0)]);
+        let b = layer(&truth, Field::InscatterSun);
+        for maps in [2048.0, 8192.0] {
+            for blend in [1.0, 2.0] {
+                for rows in [1024.0, 4096.0] {
+                    for columns in [1024.0, 2048.0, 4096.0] {
+                        let set = [
+                            ("shafts.suns", 1.0),
+                            ("shadow.resolution", maps),
+                            ("shafts.rows", rows),
+                            ("shafts.columns", columns),
+                            ("shafts.blend", blend),
+                        ];
+                        let found = by_gpu(conditions, Method::Rectified, &set);
+                        let a = layer(&found.frame, Field::InscatterSun);
+                        let counted: Vec<_> = found
+                            .passes
+                            .iter()
+                            .filter(|p| p.pass == "integrate")
+                            .map(|p| p.counted.unwrap().map(|n| n / a.len() as u64))
+                            .collect();
+                        eprintln!(
+                            "{name} maps {maps} blend {blend} rows {rows} columns {columns}: {:.4} {counted:?}",
+                            relative_rmse(&a, &b)
+                        );
+                    }
+                }
+            }
         }
     }
 }
