@@ -208,7 +208,7 @@ fn every_layer_agrees_with_the_reference() {
         return;
     }
     let made = [slats(1.0), colonnade(), hills(), into_the_sun()];
-    let made = made.map(|view| (view.name.to_owned(), view.conditions()));
+    let made = made.map(|view| (view.name.to_owned(), at_size(&view)));
     for (name, conditions) in made
         .into_iter()
         .chain([("nave".to_owned(), nave())])
@@ -227,7 +227,7 @@ fn the_comparison_notices_half_a_degree_and_half_a_pixel() {
         return;
     }
     for view in [slats(1.0), colonnade(), hills()] {
-        let truth = by_reference(&view.conditions());
+        let truth = by_reference(&at_size(&view));
         let mut sun = view.scene.clone();
         if let Some(entry) = &mut sun.sun {
             entry.elevation_deg -= 0.5;
@@ -250,7 +250,7 @@ fn the_error_falls_as_steps_and_maps_grow() {
         return;
     }
     for view in [slats(1.0), colonnade(), hills()] {
-        let conditions = view.conditions();
+        let conditions = at_size(&view);
         let truth = by_reference(&conditions);
         let errors: Vec<f64> = [1.0, 2.0, 4.0, 8.0]
             .iter()
@@ -423,11 +423,11 @@ fn pictures_do_not_depend_on_units_origin_or_repetition() {
     if !common::gpu("pictures_do_not_depend_on_units_origin_or_repetition") {
         return;
     }
-    let truth = by_gpu(&slats(1.0).conditions(), ADEQUATE);
-    let again = by_gpu(&slats(1.0).conditions(), ADEQUATE);
+    let truth = by_gpu(&at_size(&slats(1.0)), ADEQUATE);
+    let again = by_gpu(&at_size(&slats(1.0)), ADEQUATE);
     assert!(truth == again, "the same input makes other bytes");
     for scale in [2f64.powi(-10), 1e-3, 1e4] {
-        let found = by_gpu(&slats(scale).conditions(), ADEQUATE);
+        let found = by_gpu(&at_size(&slats(scale)), ADEQUATE);
         let error = rmse(&found, &truth, Field::InscatterSun, |_| true);
         eprintln!("scale {scale}: {error:.2e}");
         // A step that lies on a texel's border to f32's last digit may change sides.
@@ -443,7 +443,7 @@ fn pictures_do_not_depend_on_units_origin_or_repetition() {
         if let Shape::Box { min, max } = &mut view.scene.media[0].shape {
             (*min, *max) = (*min + shift, *max + shift);
         }
-        let found = by_gpu(&view.conditions(), ADEQUATE);
+        let found = by_gpu(&at_size(&view), ADEQUATE);
         let error = rmse(&found, &truth, Field::InscatterSun, |_| true);
         eprintln!("origin {shift}: {error:.2e}");
         assert!(error < 1e-3, "{shift}: {error}");
@@ -456,7 +456,7 @@ fn partitions_have_no_seams_and_every_projection_works() {
         return;
     }
     let view = colonnade();
-    let conditions = view.conditions();
+    let conditions = at_size(&view);
     let truth = by_reference(&conditions);
     for partitions in [1.0, 2.0, 5.0, 16.0] {
         let set = [
@@ -479,7 +479,7 @@ fn partitions_have_no_seams_and_every_projection_works() {
             Projection::Panorama => DVec2::ZERO,
             _ => DVec2::new(0.05, -0.1),
         };
-        let conditions = view.conditions();
+        let conditions = at_size(&view);
         eprintln!("{projection:?}");
         let found = by_gpu(&conditions, ADEQUATE);
         let complaints = disagreements(&found, &by_reference(&conditions));
@@ -621,7 +621,7 @@ fn nothing_is_made_for_an_effect_that_does_not_run() {
         (pipelines, gpu.fields().to_vec(), second.traffic.allocated)
     };
     let whole = slats(1.0);
-    let (pipelines, fields, bytes) = made(&whole.conditions());
+    let (pipelines, fields, bytes) = made(&at_size(&whole));
     assert!(pipelines.iter().any(|p| p == "shafts_march.march"));
     assert!(fields.contains(&Field::InscatterSun));
     let mut clear = whole.scene.clone();
@@ -688,7 +688,7 @@ fn an_added_effect_is_rendered_compared_and_reported() {
     if !common::gpu("an_added_effect_is_rendered_compared_and_reported") {
         return;
     }
-    let conditions = slats(1.0).conditions();
+    let conditions = at_size(&slats(1.0));
     let with_glow = |passes: bool| {
         let mut plan = plan(&conditions, ADEQUATE);
         const ON_CPU: Effect = Effect {

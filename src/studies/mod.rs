@@ -1,3 +1,5 @@
 //! What accuracy costs: measurements of this program by itself.
 
 pub mod ephemeris;
+pub mod scenes;
+pub mod shafts;

@@ -1,81 +1,14 @@
 //! Small scenes in code, and pictures of them.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::effect::Field;
 use tyndall::frame::Frame;
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::reference::Reference;
-use tyndall::scene::{AlphaMode, Camera, Ground, Material, Mesh, Scene, SunEntry, Triangle};
-
-/// A Lambertian material.
-pub fn material(base_color: f64) -> Material {
-    Material {
-        name: "grey".into(),
-        base_color: DVec3::splat(base_color),
-        alpha: 1.0,
-        texture: None,
-        alpha_mode: AlphaMode::Opaque,
-        transmissive: false,
-    }
-}
-
-/// A scene of loose triangles, without ground, under a white point sun of 100 000 lx that stands in `azimuth_deg` and
-/// `elevation_deg`.
-pub fn scene(triangles: &[[DVec3; 3]], azimuth_deg: f64, elevation_deg: f64) -> Scene {
-    let positions: Vec<DVec3> = triangles.iter().flatten().copied().collect();
-    Scene {
-        name: "made in a test".into(),
-        materials: vec![material(0.5)],
-        mesh: Mesh {
-            normals: vec![DVec3::ZERO; positions.len()],
-            uvs: vec![DVec2::ZERO; positions.len()],
-            colors: Vec::new(),
-            triangles: (0..triangles.len() as u32)
-                .map(|i| Triangle {
-                    vertices: [3 * i, 3 * i + 1, 3 * i + 2],
-                    material: 0,
-                })
-                .collect(),
-            positions,
-        },
-        sun: Some(SunEntry {
-            azimuth_deg,
-            elevation_deg,
-            illuminance: Some(1e5),
-            diameter_deg: Some(0.0),
-        }),
-        ground: Ground {
-            enabled: false,
-            height: Some(0.0),
-            albedo: 0.2,
-        },
-        ..Scene::default()
-    }
-}
-
-/// Two triangles for a parallelogram.
-pub fn quad(corner: DVec3, a: DVec3, b: DVec3) -> [[DVec3; 3]; 2] {
-    [
-        [corner, corner + a, corner + b],
-        [corner + a, corner + a + b, corner + b],
-    ]
-}
-
-/// The twelve triangles of a box.
-pub fn cuboid(min: DVec3, max: DVec3) -> Vec<[DVec3; 3]> {
-    let d = max - min;
-    let (x, y, z) = (DVec3::X * d.x, DVec3::Y * d.y, DVec3::Z * d.z);
-    [
-        quad(min, y, x),
-        quad(min + z, x, y),
-        quad(min, x, z),
-        quad(min + y, z, x),
-        quad(min, z, y),
-        quad(min + x, y, z),
-    ]
-    .concat()
-}
+use tyndall::scene::{Camera, Scene};
+#[allow(unused_imports)] // not every test needs each
+pub use tyndall::studies::scenes::{cuboid, material, quad, scene};
 
 /// The conditions of a scene seen by a camera.
 pub fn conditions(scene: Scene, camera: Camera, size: [u32; 2]) -> Conditions {

@@ -1,0 +1,243 @@
+//! What accuracy costs in the air: every method of integrating sunlight, swept over its own knobs, against the reference.
+//!
+//! The sun is a point, so that the methods alone differ. Times are the device's own clock, medians of repeated frames after a
+//! first one that does not count; reads and nodes are counted in a frame apart, whose times do not count either. Shadow maps
+//! are shared by all methods and shown apart.
+
+use crate::colour::luminance;
+use crate::conditions::Conditions;
+use crate::effect::{ALL, Contribution, Field, Method};
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::gpu::{Choice, Device, Gpu, Rendered};
+use crate::plan::{Overrules, Plan, Quality};
+use crate::reference::Reference;
+use glam::Vec3;
+use std::time::Duration;
+
+/// One setting of one method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// The method.
+    pub method: Method,
+    /// Its knobs, where they differ from those at the quality `preview`.
+    pub set: Vec<(&'static str, f64)>,
+    /// Whether it is what a game would usually do: the baseline.
+    pub baseline: bool,
+}
+
+/// What a trial cost and gave.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// What was tried.
+    pub trial: Trial,
+    /// Median times of the method's passes.
+    pub passes: Vec<(&'static str, Duration)>,
+    /// Their sum, frame by frame, and its median.
+    pub in_scatter: Duration,
+    /// Median time of the shadow maps.
+    pub maps: Duration,
+    /// Reads of shadow maps and leaves a pixel, all passes of the method.
+    pub reads: f64,
+    /// Nodes of trees visited a pixel.
+    pub nodes: f64,
+    /// Relative RMSE of the in-scattered sunlight's luminance.
+    pub relative_rmse: f64,
+    /// 99th percentile over pixels of |L - R| / max(R, mean(R) / 100).
+    pub percentile_99: f64,
+    /// sum(L) / sum(R) - 1.
+    pub bias: f64,
+    /// The in-scattered sunlight [cd/m2, working space], for pictures of it.
+    pub inscatter: Vec<Vec3>,
+}
+
+impl Trial {
+    /// Method and knobs in words.
+    pub fn words(&self) -> String {
+        let knobs: Vec<String> = self.set.iter().map(|(k, v)| format!("{k} {v}")).collect();
+        format!("{} {}", self.method.name(), knobs.join(", "))
+    }
+}
+
+/// The sweeps: each method over its own knobs, the coarsest first.
+pub fn sweeps() -> Vec<Trial> {
+    let mut trials = Vec::new();
+    let mut add = |method, set: &[(&'static str, f64)]| {
+        trials.push(Trial {
+            method,
+            set: set.to_vec(),
+            baseline: false,
+        });
+    };
+    for steps in [16.0, 32.0, 64.0, 128.0, 256.0, 512.0] {
+        add(Method::March, &[("steps", steps)]);
+    }
+    add(Method::March, &[("steps", 64.0), ("jitter", 1.0)]);
+    for (rows, columns, blend) in [
+        (512.0, 512.0, 1.0),
+        (1024.0, 1024.0, 1.0),
+        (1024.0, 1024.0, 2.0),
+        (2048.0, 2048.0, 1.0),
+        (2048.0, 2048.0, 2.0),
+        (4096.0, 4096.0, 2.0),
+    ] {
+        add(
+            Method::Rectified,
+            &[("rows", rows), ("columns", columns), ("blend", blend)],
+        );
+    }
+    for trial in &mut trials {
+        trial.baseline = trial.method == Method::March && trial.set == [("steps", 64.0)];
+    }
+    trials
+}
+
+/// The plan of a trial: nothing but what sunlight in the air needs.
+fn plan<'c>(
+    conditions: &'c Conditions,
+    trial: &Trial,
+    extra: &[(String, f64)],
+) -> Result<Plan<'c>> {
+    let set = trial
+        .set
+        .iter()
+        .map(|(knob, value)| (format!("shafts_{}.{knob}", trial.method.name()), *value))
+        .chain([("shafts.suns".to_owned(), 1.0)])
+        .chain(extra.iter().cloned())
+        .collect();
+    let without = ALL
+        .iter()
+        .filter(|effect| effect.method.is_none())
+        .filter(|effect| {
+            let decision = (effect.decide)(conditions);
+            !matches!(decision.contribution, Contribution::Everything)
+        })
+        .map(|effect| effect.name.to_owned())
+        .collect();
+    Plan::new(
+        conditions,
+        &Overrules {
+            quality: Quality::Preview,
+            method: Some(trial.method),
+            set,
+            without,
+            ..Overrules::default()
+        },
+    )
+}
+
+/// The in-scattered sunlight by the reference, under a point sun.
+///
+/// # Errors
+/// Those of [`Plan::new`] and [`Reference::render`].
+pub fn truth(conditions: &Conditions) -> Result<Vec<Vec3>> {
+    let trial = Trial {
+        method: Method::Rectified,
+        set: Vec::new(),
+        baseline: false,
+    };
+    let plan = plan(conditions, &trial, &[])?;
+    let rendered = Reference::new(&plan).render(u64::MAX, &|_| {})?;
+    Ok(inscatter(&rendered.frame))
+}
+
+fn inscatter(frame: &Frame) -> Vec<Vec3> {
+    let layer = frame.layer(Field::InscatterSun.name());
+    layer.map_or_else(
+        || vec![Vec3::ZERO; frame.pixels()],
+        |layer| layer.rgb.clone(),
+    )
+}
+
+/// Measures one trial over `frames` frames. `extra` are knobs of other effects, as `shadow.resolution`.
+///
+/// # Errors
+/// Those of [`Plan::new`], [`Gpu::new`] and [`Gpu::render`].
+pub fn measure(
+    conditions: &Conditions,
+    trial: &Trial,
+    extra: &[(String, f64)],
+    choice: Choice,
+    truth: &[Vec3],
+    frames: usize,
+) -> Result<Outcome> {
+    let plan = plan(conditions, trial, extra)?;
+    let quiet = |_| {};
+    let counted = Gpu::counting(&plan, Device::open(choice)?)?.render(u64::MAX, &quiet)?;
+    let mut gpu = Gpu::new(&plan, Device::open(choice)?)?;
+    gpu.render(u64::MAX, &quiet)?;
+    let runs = (0..frames.max(1))
+        .map(|_| gpu.render(u64::MAX, &quiet))
+        .collect::<Result<Vec<Rendered>>>()?;
+    let is_ours = |effect: &str| effect.starts_with("shafts_");
+    let median = |time: &dyn Fn(&Rendered) -> Duration| {
+        let mut times: Vec<Duration> = runs.iter().map(time).collect();
+        times.sort_unstable();
+        times[times.len() / 2]
+    };
+    let passes: Vec<(&'static str, Duration)> = runs[0]
+        .passes
+        .iter()
+        .enumerate()
+        .filter(|(_, pass)| is_ours(pass.effect))
+        .map(|(i, pass)| {
+            (
+                pass.pass,
+                median(&|run| run.passes[i].time.unwrap_or_default()),
+            )
+        })
+        .collect();
+    let sum = |run: &Rendered, keep: &dyn Fn(&str) -> bool| -> Duration {
+        let kept = run.passes.iter().filter(|pass| keep(pass.effect));
+        kept.filter_map(|pass| pass.time).sum()
+    };
+    let pixels = truth.len() as f64;
+    let count = |kind: usize| {
+        let counts = counted.passes.iter().filter(|pass| is_ours(pass.effect));
+        counts
+            .filter_map(|pass| pass.counted)
+            .map(|c| c[kind])
+            .sum::<u64>() as f64
+            / pixels
+    };
+    let found = inscatter(&runs[0].frame);
+    let (relative_rmse, percentile_99, bias) = errors(&found, truth);
+    Ok(Outcome {
+        trial: trial.clone(),
+        passes,
+        in_scatter: median(&|run| sum(run, &is_ours)),
+        maps: median(&|run| sum(run, &|effect| effect == "shadow")),
+        reads: count(0),
+        nodes: count(1),
+        relative_rmse,
+        percentile_99,
+        bias,
+        inscatter: found,
+    })
+}
+
+/// Relative RMSE, 99th percentile and bias of one picture against another.
+pub fn errors(found: &[Vec3], truth: &[Vec3]) -> (f64, f64, f64) {
+    let pairs: Vec<[f64; 2]> = found
+        .iter()
+        .zip(truth)
+        .map(|(f, t)| [luminance(f.as_dvec3()), luminance(t.as_dvec3())])
+        .collect();
+    let n = pairs.len() as f64;
+    let mean = pairs.iter().map(|p| p[1]).sum::<f64>() / n;
+    let square = pairs.iter().map(|[f, t]| (f - t).powi(2)).sum::<f64>() / n;
+    let bias = pairs.iter().map(|[f, t]| f - t).sum::<f64>() / n;
+    let mut single: Vec<f64> = pairs
+        .iter()
+        .map(|[f, t]| (f - t).abs() / t.max(0.01 * mean))
+        .filter(|e| e.is_finite())
+        .collect();
+    single.sort_unstable_by(f64::total_cmp);
+    let last = single.len().saturating_sub(1);
+    let percentile = single.get((0.99 * last as f64).round() as usize).copied();
+    if mean == 0.0 {
+        let any = if square == 0.0 { 0.0 } else { f64::INFINITY };
+        return (any, any, any);
+    }
+    (square.sqrt() / mean, percentile.unwrap_or(0.0), bias / mean)
+}
