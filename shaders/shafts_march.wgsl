@@ -31,17 +31,22 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     let count = select(0u, steps + u32(shift > 0.0), step > 0.0);
     count_reads(count);
     // Behind the last step all is lit, and the air ends.
-    for (var k = 0u; k < count + 2u; k++) {
-        var t = span.shaded.y;
-        var lit = k == count;
-        if k < count {
-            t = max(span.shaded.x + (f32(k) - shift) * step, span.shaded.x);
-            let next = min(span.shaded.x + (f32(k) + 1.0 - shift) * step, span.shaded.y);
-            lit = sun_reaches(origin + 0.5 * (t + next) * direction);
-        } else if k > count {
-            t = span.air.y;
+    var k = 0u;
+    while k < count + 2u {
+        while k < count + 2u && !is_full() {
+            var t = span.shaded.y;
+            var lit = k == count;
+            if k < count {
+                t = max(span.shaded.x + (f32(k) - shift) * step, span.shaded.x);
+                let next = min(span.shaded.x + (f32(k) + 1.0 - shift) * step, span.shaded.y);
+                lit = sun_reaches(origin + 0.5 * (t + next) * direction);
+            } else if k > count {
+                t = span.air.y;
+            }
+            turn(lit, t);
+            k++;
         }
-        turn(lit, t);
+        integrate_runs();
     }
     inscatter[i] += vec4f(light.illuminance * run_sum, 0.0);
     report_counts();

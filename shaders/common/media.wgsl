@@ -27,18 +27,16 @@ fn phi1(x: f32) -> f32 {
     return (1.0 - exp(-x)) / x;
 }
 
-// The integral of exp(-(start + slope t)) over t from 0 to `length`, whatever the slope's sign.
-fn exponential_integral(start: f32, slope: f32, length: f32) -> f32 {
-    let change = slope * length;
-    if change >= 0.0 {
-        return exp(-start) * length * phi1(change);
-    }
-    return exp(-(start + change)) * length * phi1(-change);
+// (1 - e^-x) / x for x not below 0.
+fn phi1_3(x: vec3f) -> vec3f {
+    let series = 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0 * (1.0 - x / 8.0))))));
+    return select((1.0 - exp(-x)) / max(x, vec3f(0.25)), series, x < vec3f(0.5));
 }
 
+// The integral of exp(-(start + slope t)) over t from 0 to `length`, from the end where less is lost.
 fn exponential_integral3(start: vec3f, slope: vec3f, length: vec3f) -> vec3f {
-    return vec3f(exponential_integral(start.x, slope.x, length.x), exponential_integral(start.y, slope.y, length.y),
-                 exponential_integral(start.z, slope.z, length.z));
+    let change = slope * length;
+    return exp(-min(start, start + change)) * length * phi1_3(abs(change));
 }
 
 // Phase function [1/sr] from 1 - mu; +1 looks at the sun.

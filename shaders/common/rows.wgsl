@@ -175,7 +175,7 @@ fn turn_along_light(slice: Slice, span: vec2f) -> f32 {
 
 // A ray on its way through a row: the threshold that it keeps, and the columns that it crosses.
 struct Crossing {
-    c: f32,
+    c: u32,
     first: u32,
     last: u32,
 }
@@ -185,124 +185,111 @@ fn crossing_of(rows: Rows, slice: Slice, shaded: vec2f) -> Crossing {
     let from_column = place_of(rows, slice.start + shaded.x * slice.sine) * columns;
     let to_column = place_of(rows, slice.start + shaded.y * slice.sine) * columns;
     let first = u32(clamp(floor(from_column), 0.0, columns - 1.0));
-    return Crossing(1.0 + (slice.c - rows.low) * rows.scale, first,
-                    u32(clamp(ceil(to_column), f32(first) + 1.0, columns)));
+    // Thresholds are whole numbers: rounding down keeps the order.
+    let c = u32(clamp(1.0 + (slice.c - rows.low) * rows.scale, 0.0, 65535.0));
+    return Crossing(c, first, u32(clamp(ceil(to_column), f32(first) + 1.0, columns)));
 }
 
 // The ray's distance at which a column begins, within the part that can be shaded.
-fn column_distance(rows: Rows, slice: Slice, span: Span, column: u32) -> f32 {
-    let a = across_of(rows, f32(column) / f32(rows.columns));
+fn column_distance(rows: Rows, slice: Slice, span: Span, column: f32) -> f32 {
+    let a = across_of(rows, column / f32(rows.columns));
     return clamp((a - slice.start) / slice.sine, span.shaded.x, span.shaded.y);
 }
 
-// Whether a node's or leaf's thresholds, least and greatest, are all lit (1), all dark (0), or not known (2).
-fn seen(c: f32, entry: u32) -> u32 {
-    return select(select(2u, 0u, c < f32(entry & 0xffffu)), 1u, c >= f32(entry >> 16u));
-}
-
 // Sunlight that a ray scatters to the eye [1/sr]: shaded by one row, or by the one place that a ray along the light meets.
-// The row's columns are gone through from the eye outward, in the largest nodes that are lit or dark as a whole.
+// The row's columns are gone through from the eye outward; children that are as the ray is are passed over at once.
 fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32) -> vec3f {
     begin_runs(origin, direction, span.air);
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
     let crossing = crossing_of(rows, slice, span.shaded);
     let blocks = rows.columns / 8u;
-    let first_leaf = row * blocks;
     let low = row * 21u * (blocks / 64u);
     let middle = low + blocks / 4u;
     let high = middle + blocks / 16u;
     var column = select(crossing.first, crossing.last, along);
+    // Levels 1 to 3 are nodes whose four children are 8, 32 and 128 columns wide; 0 is a leaf of eight columns.
     var level = 3u;
-    var leaf = vec4u(0u);
-    var node1 = vec4u(0u);
-    var node2 = vec4u(0u);
-    var node3 = vec4u(0u);
-    // What comes behind the last column: a ray along the light turns twice, all is lit, the air ends.
-    var last = select(2u, select(0u, 2u, span.shaded.y <= span.shaded.x), along);
+    var held0 = vec4u(0u);
+    var held1 = vec4u(0u);
+    var held2 = vec4u(0u);
+    var held3 = vec4u(0u);
     if !along {
         count_nodes(1u);
-        node3 = nodes[high + column / 512u];
+        held3 = nodes[high + column / 512u];
     }
-    loop {
-        var lit = true;
-        var t = span.shaded.y;
-        if column < crossing.last {
-            var state: u32;
-            var size: u32;
-            switch level {
-                case 3u: {
-                    state = seen(crossing.c, node3[(column / 128u) % 4u]);
-                    size = 128u;
-                    if state == 2u {
-                        node2 = nodes[middle + column / 128u];
+    // What comes behind the last column: a ray along the light turns twice, all is lit, the air ends.
+    var last = select(2u, select(0u, 2u, span.shaded.y <= span.shaded.x), along);
+    while last < 4u {
+        while last < 4u && !is_full() {
+            if column < crossing.last {
+                let held = select(select(select(held0, held1, level == 1u), held2, level == 2u), held3, level == 3u);
+                let shift = select(2u * level + 1u, 0u, level == 0u);
+                let children = select(4u, 8u, level == 0u);
+                // Not less than the lower and the upper half of each word.
+                let lower = vec4u(vec4u(crossing.c) >= (held & vec4u(0xffffu)));
+                let upper = vec4u(vec4u(crossing.c) >= (held >> vec4u(16u)));
+                let some = dot(lower, vec4u(1u, 2u, 4u, 8u));
+                let all = dot(upper, vec4u(1u, 2u, 4u, 8u));
+                let each = dot(lower, vec4u(1u, 4u, 16u, 64u)) | dot(upper, vec4u(2u, 8u, 32u, 128u));
+                let lit = select(all, each, level == 0u);
+                let mixed = select(some & ~all, 0u, level == 0u);
+                let whole = children << shift;
+                let begin = column / whole * whole;
+                let other = select(lit | mixed, ~lit, is_lit()) & ((1u << children) - 1u);
+                let next = other & (0xffffffffu << ((column - begin) >> shift));
+                if next == 0u {
+                    column = begin + whole;
+                    level = select(select(select(1u, 2u, column % 32u == 0u), 3u, column % 128u == 0u), 3u, level == 3u);
+                    if column % 512u == 0u && column < crossing.last {
+                        count_nodes(1u);
+                        held3 = nodes[high + column / 512u];
                     }
-                }
-                case 2u: {
-                    state = seen(crossing.c, node2[(column / 32u) % 4u]);
-                    size = 32u;
-                    if state == 2u {
-                        node1 = nodes[low + column / 32u];
-                    }
-                }
-                case 1u: {
-                    state = seen(crossing.c, node1[(column / 8u) % 4u]);
-                    size = 8u;
-                    if state == 2u {
-                        leaf = leaves[first_leaf + column / 8u];
-                    }
-                }
-                default: {
-                    let pair = leaf[(column / 2u) % 4u];
-                    let d = select(pair & 0xffffu, pair >> 16u, (column & 1u) != 0u);
-                    state = select(0u, 1u, crossing.c >= f32(d));
-                    size = 1u;
-                }
-            }
-            if state == 2u {
-                level -= 1u;
-                if level == 0u {
-                    count_reads(1u);
                 } else {
-                    count_nodes(1u);
+                    let child = firstTrailingBit(next);
+                    column = max(column, begin + (child << shift));
+                    if ((mixed >> child) & 1u) != 0u {
+                        level -= 1u;
+                        if level == 0u {
+                            count_reads(1u);
+                            held0 = leaves[row * blocks + column / 8u];
+                        } else {
+                            count_nodes(1u);
+                            let index = select(middle + column / 128u, low + column / 32u, level == 1u);
+                            let node = nodes[index];
+                            held1 = select(held1, node, level == 1u);
+                            held2 = select(held2, node, level == 2u);
+                        }
+                    } else if column < crossing.last {
+                        // Distances are found later, for all borders together.
+                        turn(!is_lit(), -1.0 - f32(column));
+                    }
                 }
-                continue;
-            }
-            lit = state == 1u;
-            if lit != run_lit {
-                // The first column begins before the ray does.
-                t = select(column_distance(rows, slice, span, column), span.shaded.x, column <= crossing.first);
-            }
-            column = (column / size + 1u) * size;
-            if column % 8u == 0u {
-                level = select(select(select(1u, 2u, column % 32u == 0u), 3u, column % 128u == 0u), 3u, level == 3u);
-                if column % 512u == 0u && column < crossing.last {
-                    count_nodes(1u);
-                    node3 = nodes[high + column / 512u];
-                }
-            }
-        } else {
-            switch last {
-                case 0u: {
+            } else {
+                var lit = last == 2u;
+                var t = span.shaded.y;
+                if last == 0u {
                     lit = slice.cosine < 0.0;
                     t = span.shaded.x;
-                }
-                case 1u: {
+                } else if last == 1u {
                     count_reads(1u);
                     lit = slice.cosine >= 0.0;
                     t = turn_along_light(slice, span.shaded);
-                }
-                case 2u: {}
-                default: {
-                    lit = false;
+                } else if last == 3u {
                     t = span.air.y;
                 }
+                turn(lit, t);
+                last += 1u;
             }
-            last += 1u;
         }
-        turn(lit, t);
-        if last > 3u {
-            break;
+        for (var k = 0u; k < run_count; k++) {
+            let column = -1.0 - run_borders[k];
+            if column >= 0.0 {
+                // The first column begins before the ray does.
+                let t = column_distance(rows, slice, span, column);
+                run_borders[k] = select(t, span.shaded.x, column <= f32(crossing.first));
+            }
         }
+        integrate_runs();
     }
     return run_sum;
 }

@@ -36,10 +36,11 @@ fn shaded_span(origin: vec3f, direction: vec3f, surface: f32) -> Span {
 var<private> run_origin: vec3f;
 var<private> run_direction: vec3f;
 var<private> run_one_minus_mu: f32;
-var<private> run_lit: bool;
-var<private> run_since: f32;
 var<private> run_end: f32;
 var<private> run_sum: vec3f;
+// Borders of light and shadow that are not integrated yet: light from the first on, shadow from the second on, and so on.
+var<private> run_borders: array<f32, 16>;
+var<private> run_count: u32;
 // The piece without bends in which the last run ended.
 var<private> run_piece: Piece;
 var<private> run_piece_span: vec2f;
@@ -50,31 +51,53 @@ fn begin_runs(origin: vec3f, direction: vec3f, air: vec2f) {
     run_origin = origin;
     run_direction = direction;
     run_one_minus_mu = 0.5 * dot(apart, apart);
-    run_lit = true;
-    run_since = air.x;
     run_end = air.y;
     run_sum = vec3f(0.0);
+    run_borders[0] = air.x;
+    run_count = 1u;
     run_piece_span = vec2f(-1.0);
 }
 
-// From the distance t on the ray is lit, or not: the run that ends there adds to run_sum [1/sr, per unit of illuminance]. It
-// is split at the faces of boxes and where their depth toward the sun bends. Large: call it in one place of a shader.
+fn is_lit() -> bool {
+    return (run_count & 1u) != 0u;
+}
+
+// From the distance t on the ray is lit, or not.
 fn turn(lit: bool, t: f32) {
-    if lit == run_lit {
-        return;
+    if lit != is_lit() {
+        run_borders[run_count] = t;
+        run_count += 1u;
     }
-    var at = select(t, run_since, run_lit);
-    // Each box gives at most fourteen bends.
-    for (var guard = 0u; guard <= 14u * frame.media && at < t; guard++) {
-        if at >= run_piece_span.y || at < run_piece_span.x {
-            run_piece_span = vec2f(at, min(run_end, next_bend(run_origin, run_direction, light.toward, at)));
-            run_piece = homogeneous(run_origin, run_direction, at, run_piece_span.y, light.toward, run_one_minus_mu);
+}
+
+// Whether the borders must be integrated before the next turn. They are kept for a while since neighbouring rays turn at
+// different times, and integrate faster together.
+fn is_full() -> bool {
+    return run_count >= 15u;
+}
+
+// Adds what the finished runs scatter to the eye to run_sum [1/sr, per unit of illuminance]. They are split at the faces of
+// boxes and where their depth toward the sun bends. Large: call it in one place of a shader.
+fn integrate_runs() {
+    for (var k = 0u; k + 1u < run_count; k += 2u) {
+        var at = run_borders[k];
+        let end = run_borders[k + 1u];
+        // Each box gives at most fourteen bends.
+        for (var guard = 0u; guard <= 14u * frame.media && at < end; guard++) {
+            if at >= run_piece_span.y || at < run_piece_span.x {
+                run_piece_span = vec2f(at, min(run_end, next_bend(run_origin, run_direction, light.toward, at)));
+                run_piece = homogeneous(run_origin, run_direction, at, run_piece_span.y, light.toward, run_one_minus_mu);
+            }
+            let next = min(end, run_piece_span.y);
+            run_sum += scattered_part(run_piece, run_piece_span.x, run_origin, run_direction, at, next, light.toward,
+                                      run_one_minus_mu);
+            at = next;
         }
-        let next = min(t, run_piece_span.y);
-        run_sum += scattered_part(run_piece, run_piece_span.x, run_origin, run_direction, at, next, light.toward,
-                                  run_one_minus_mu);
-        at = next;
     }
-    run_lit = lit;
-    run_since = t;
+    if is_lit() {
+        run_borders[0] = run_borders[run_count - 1u];
+        run_count = 1u;
+    } else {
+        run_count = 0u;
+    }
 }
