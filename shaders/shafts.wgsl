@@ -30,7 +30,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     let origin = ray_origin(id);
     let direction = ray_direction(id);
     let air = air_span(origin, direction);
-    let end = min(min(surfaces[i].distance, air_end(origin, direction)), air.y);
+    let end = min(ray_end(surfaces[i], origin, direction), air.y);
     let start = air.x;
     if end <= start {
         return;

@@ -10,6 +10,7 @@
 //! An effect has no state. `decide` tells before anything is rendered whether the scene calls for it; `reference` prepares
 //! what a frame needs once and returns the function that is run on batches of rays.
 
+pub mod air_shadow;
 pub mod compose;
 pub mod pass;
 pub mod shadow;
@@ -38,6 +39,7 @@ pub const ALL: &[&Effect] = &[
     &surface_sky::SURFACE_SKY,
     &shafts::SHAFTS,
     &compose::COMPOSE,
+    &air_shadow::AIR_SHADOW,
 ];
 
 /// What light does in one respect: data and functions, no state.
@@ -172,6 +174,10 @@ pub enum Field {
     InscatterSky,
     /// Light of lamps scattered by the air [cd/m2].
     InscatterLights,
+    /// Sunlight that the clear air before the sky would scatter where geometry shadows it [cd/m2].
+    AirShadow,
+    /// Sunlight that the clear air before the sky would scatter without shadows [cd/m2].
+    AirLight,
 }
 
 impl Field {
@@ -198,6 +204,8 @@ impl Field {
             Field::InscatterSun => "inscatter_sun",
             Field::InscatterSky => "inscatter_sky",
             Field::InscatterLights => "inscatter_lights",
+            Field::AirShadow => "air_shadow",
+            Field::AirLight => "air_light",
         }
     }
 }
@@ -255,7 +263,7 @@ pub struct Fields {
     pub pixels: Vec<UVec2>,
     /// [`Field::Surface`].
     pub surfaces: Vec<Surface>,
-    values: [Option<Vec<DVec3>>; 8],
+    values: [Option<Vec<DVec3>>; 10],
 }
 
 fn slot(field: Field) -> usize {
@@ -269,6 +277,8 @@ fn slot(field: Field) -> usize {
         Field::InscatterSun => 5,
         Field::InscatterSky => 6,
         Field::InscatterLights => 7,
+        Field::AirShadow => 8,
+        Field::AirLight => 9,
     }
 }
 

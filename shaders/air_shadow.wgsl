@@ -1,0 +1,63 @@
+// Light that the sky lacks where geometry shadows the clear air: gathered for each point of the sun by marching, then taken.
+
+@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
+// What the shadowed parts of the clear air would scatter to the eye, and what the whole of it would.
+@group(1) @binding(1) var<storage, read_write> shadow: array<vec4f>;
+@group(1) @binding(2) var<storage, read_write> whole: array<vec4f>;
+@group(1) @binding(3) var<storage, read_write> background: array<vec4f>;
+// The number of steps; distance up to which shadows are seen.
+@group(1) @binding(4) var<storage, read> knobs: array<f32>;
+
+fn is_open(i: u32) -> bool {
+    return surfaces[i].number == 0u && any(background[i].xyz > vec3f(0.0));
+}
+
+@compute @workgroup_size(8, 8)
+fn gather(@builtin(global_invocation_id) id: vec3u) {
+    let i = pixel_index(id);
+    if !inside_tile(id) || !is_open(i) {
+        return;
+    }
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    sources = ONLY_CLEAR;
+    let far = knobs[1];
+    whole[i] += vec4f(light.illuminance * scattered(origin, direction, 0.0, far, light.toward), 0.0);
+    let span = shadow_span(origin, direction);
+    let begin = clamp(span.x, 0.0, far);
+    let finish = clamp(span.y, begin, far);
+    let steps = u32(knobs[0]);
+    let step = (finish - begin) / f32(steps);
+    if step <= 0.0 {
+        return;
+    }
+    var dark = false;
+    var since = begin;
+    var sum = vec3f(0.0);
+    for (var k = 0u; k <= steps; k++) {
+        let now_dark = k < steps && !sun_reaches(origin + (begin + (f32(k) + 0.5) * step) * direction);
+        if now_dark == dark {
+            continue;
+        }
+        let border = begin + f32(k) * step;
+        if dark {
+            sum += scattered(origin, direction, since, border, light.toward);
+        }
+        dark = now_dark;
+        since = border;
+    }
+    shadow[i] += vec4f(light.illuminance * sum, 0.0);
+}
+
+// B - S min(1, B / W): never below zero.
+@compute @workgroup_size(8, 8)
+fn take(@builtin(global_invocation_id) id: vec3u) {
+    let i = pixel_index(id);
+    if !inside_tile(id) || !is_open(i) {
+        return;
+    }
+    let b = background[i].xyz;
+    let w = whole[i].xyz;
+    let share = select(vec3f(1.0), b / max(w, vec3f(1e-30)), w > b);
+    background[i] = vec4f(max(b - share * min(shadow[i].xyz, w), vec3f(0.0)), background[i].w);
+}
