@@ -49,15 +49,17 @@ fn gather(@builtin(global_invocation_id) id: vec3u) {
     shadow[i] += vec4f(light.illuminance * sum, 0.0);
 }
 
-// B - S min(1, B / W): never below zero.
+// B becomes B (1 - S / max(T B, W)): never below zero.
 @compute @workgroup_size(8, 8)
 fn take(@builtin(global_invocation_id) id: vec3u) {
     let i = pixel_index(id);
     if !inside_tile(id) || !is_open(i) {
         return;
     }
-    let b = background[i].xyz;
-    let w = whole[i].xyz;
-    let share = select(vec3f(1.0), b / max(w, vec3f(1e-30)), w > b);
-    background[i] = vec4f(max(b - share * min(shadow[i].xyz, w), vec3f(0.0)), background[i].w);
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let end = ray_end(surfaces[i], origin, direction);
+    let seen = exp(-optical_depth(origin, direction, end)) * background[i].xyz;
+    let most = max(max(seen, whole[i].xyz), vec3f(1e-30));
+    background[i] *= vec4f(1.0 - min(shadow[i].xyz, whole[i].xyz) / most, 1.0);
 }

@@ -271,7 +271,9 @@ fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, o
         let last = length_inside(medium, origin + (a + 0.75 * length) * direction, toward, FARTHEST);
         let slope = (last - first) / (0.5 * length);
         let eye = length_inside(medium, origin, direction, a);
-        piece.depth += medium.extinction * (eye + max(first - 0.25 * length * slope, 0.0));
+        // What is left of the difference below its rounding is nothing: dense media would make much of it.
+        let start = first - 0.25 * length * slope;
+        piece.depth += medium.extinction * (eye + select(start, 0.0, start < 5e-7 * max(first, last)));
         piece.slope += medium.extinction * slope;
         if inside(medium, origin + (a + 0.5 * length) * direction) {
             piece.slope += medium.extinction;

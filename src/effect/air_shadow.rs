@@ -3,13 +3,13 @@
 //! The sky's radiance holds the sunlight that the clear air scatters along the whole of a ray. Where mountains or clouds of
 //! leaves keep the sun from a part of it, that part sends nothing: on rays that meet nothing
 //!
-//! L = B - S min(1, B / W), channel by channel,
+//! L = T B (1 - S / max(T B, W)), channel by channel,
 //!
-//! B the background that reaches the eye (sky and disc through the other media), S the integral of the clear air's scattering
-//! over the dark runs, W that over the whole ray, both up to the air's `far`. S never exceeds W, so L is never negative, and it
-//! is continuous in B, S and W. Where the model's sky is at least as bright as single scattering makes the air (B >= W) exactly
-//! S is taken; where it is darker, the same share S / W of it. Sunlight scattered more than once comes into the shadow all the
-//! same, as part of B - W.
+//! B the background (sky and disc), T what the other media let through of it ([`super::compose`] multiplies by it), S the integral
+//! of the clear air's scattering over the dark runs, W that over the whole ray, both up to the air's `far` and as they reach the
+//! eye. S never exceeds W, so L is never negative, and it is continuous in all of them. Where the sky is at least as bright as
+//! single scattering makes the air (T B >= W), exactly S is taken; where it is darker, the same share S / W of it. Sunlight that
+//! is scattered more than once gets into shadows all the same: it is part of T B - W.
 
 use super::{Contribution, Decision, Effect, Field, Kind, Knob, Pass, Resource};
 use crate::colour::luminance;
@@ -58,6 +58,7 @@ pub const AIR_SHADOW: Effect = Effect {
         let suns = conditions.sun.points(settings.get("suns") as usize);
         let toward: Vec<DVec3> = suns.iter().map(|sun| sun.toward).collect();
         let air = conditions.air.with_sources(Medium::is_clear_air);
+        let before_sky = conditions.air.before_sky();
         let far = far(&air);
         Box::new(move |fields| {
             let mut dark = Vec::new();
@@ -75,7 +76,9 @@ pub const AIR_SHADOW: Effect = Effect {
                         shadow += sun.illuminance * scattering.integrate(*from, *to);
                     }
                 }
-                without(present, shadow, whole)
+                let end = before_sky.end(ray.origin, ray.direction);
+                let depth = before_sky.optical_depth(ray.origin, ray.direction, end);
+                present * left((-depth).exp() * present, shadow, whole)
             });
         })
     },
@@ -120,15 +123,15 @@ fn far(air: &Air) -> f64 {
     clear.end(DVec3::ZERO, DVec3::X)
 }
 
-/// The background without the shadowed part of the air's light, of which `whole` would be there without shadows.
-fn without(background: DVec3, shadow: DVec3, whole: DVec3) -> DVec3 {
-    let channel = |i: usize| {
-        let (b, s, w) = (background[i], shadow[i], whole[i]);
+/// The share of the sky's light that is left, 0 to 1: of `seen` from the sky, without `shadow`, of which `whole` would be there
+/// if nothing stood in the sun.
+fn left(seen: DVec3, shadow: DVec3, whole: DVec3) -> DVec3 {
+    let channel = |i: usize| match seen[i].max(whole[i]) {
+        0.0 => 1.0,
         // Rounding may leave a sum of dark runs a digit above the whole.
-        let share = if w > b { b / w } else { 1.0 };
-        b - share * s.min(w)
+        most => 1.0 - shadow[i].min(whole[i]) / most,
     };
-    DVec3::new(channel(0), channel(1), channel(2)).max(DVec3::ZERO)
+    DVec3::new(channel(0), channel(1), channel(2))
 }
 
 #[cfg(test)]
@@ -138,11 +141,12 @@ mod tests {
     #[test]
     fn what_is_taken_is_bounded_and_continuous() {
         let one =
-            |b: f64, s: f64, w: f64| without(DVec3::splat(b), DVec3::splat(s), DVec3::splat(w)).x;
-        assert_eq!(one(10.0, 2.0, 5.0), 8.0);
-        assert_eq!(one(10.0, 0.0, 50.0), 10.0);
-        assert_eq!(one(10.0, 50.0, 50.0), 0.0);
-        assert!((one(10.0, 25.0, 50.0) - 5.0).abs() < 1e-12);
+            |b: f64, s: f64, w: f64| b * left(DVec3::splat(b), DVec3::splat(s), DVec3::splat(w)).x;
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(close(one(10.0, 2.0, 5.0), 8.0));
+        assert!(close(one(10.0, 0.0, 50.0), 10.0));
+        assert!(close(one(10.0, 50.0, 50.0), 0.0));
+        assert!(close(one(10.0, 25.0, 50.0), 5.0));
         assert_eq!(one(0.0, 1.0, 2.0), 0.0);
         assert_eq!(one(3.0, 0.0, 0.0), 3.0);
         let mut last = one(0.0, 3.0, 4.0);

@@ -38,8 +38,8 @@ pub const ALL: &[&Effect] = &[
     &surface_sun::SURFACE_SUN,
     &surface_sky::SURFACE_SKY,
     &shafts::SHAFTS,
-    &compose::COMPOSE,
     &air_shadow::AIR_SHADOW,
+    &compose::COMPOSE,
 ];
 
 /// What light does in one respect: data and functions, no state.
