@@ -14,7 +14,7 @@ use tyndall::gpu::{Choice, Device, Gpu};
 use tyndall::medium::{ClearAir, Medium, Phase, Scattering, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::reference::Reference;
-use tyndall::scene::{Camera, Scene, SunEntry};
+use tyndall::scene::{Camera, Projection, Scene, SunEntry};
 
 const DEG: f64 = PI / 180.0;
 
@@ -303,6 +303,108 @@ fn the_air_before_a_wall_is_its_integral_and_takes_its_transmittance() {
             assert!(error < 1e-4, "{i}: {found} {expected}");
             let through = (frame.transmittance[i].as_dvec3() - (-eye).exp()).abs();
             assert!(through.max_element() < 1e-5, "{i}: {through}");
+        }
+    }
+}
+
+#[test]
+fn sunlight_on_high_ground_is_brighter_by_the_air_below_it() {
+    // Three tables, at the site's height, 1 500 m above it and 300 m below it, seen from just above each.
+    let on_gpu = common::gpu("sunlight_on_high_ground_is_brighter_by_the_air_below_it");
+    for elevation in [3.0, 35.0] {
+        for height in [0.0, 1500.0, -300.0] {
+            let mut scene = open_air(elevation);
+            let corner = DVec3::new(-10.0, height, -10.0);
+            scene.mesh =
+                common::build::scene(&quad(corner, DVec3::X * 20.0, DVec3::Z * 20.0), 0.0, 0.0)
+                    .mesh;
+            scene.materials = vec![material(1.0)];
+            if let Some(sun) = &mut scene.sun {
+                sun.diameter_deg = Some(0.0);
+            }
+            scene.ground.height = Some(0.0);
+            let eye = DVec3::new(0.0, height + 5.0, 1.0);
+            let camera = Camera::look_at(eye, DVec3::Y * height, 30.0 * DEG);
+            let conditions = conditions(scene, camera, [9, 9]);
+            let sun = &conditions.sun;
+            let overhead = conditions.air.media.iter().map(|m| match m.shape {
+                Shape::Air {
+                    scale_height,
+                    overhead,
+                    ..
+                } => overhead * (1.0 - (-height / scale_height).exp()),
+                _ => panic!("there is only clear air"),
+            });
+            let gain = overhead.sum::<DVec3>().exp();
+            assert!(height != 0.0 || gain == DVec3::ONE);
+            let expected = sun.light.illuminance * gain * sun.toward.y / PI;
+            let mut frames = vec![by_reference(&conditions)];
+            if on_gpu {
+                frames.push(by_gpu(&conditions));
+            }
+            for frame in frames {
+                // Five metres of air lie before the table.
+                for (got, through) in layer(&frame, Field::Sun).iter().zip(&frame.transmittance) {
+                    let found = *got / through.as_dvec3();
+                    let error = (found / expected - 1.0).abs().max_element();
+                    assert!(error < 1e-4, "{elevation} {height}: {found} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn hard_cases_stay_finite_and_in_order() {
+    if !common::gpu("hard_cases_stay_finite_and_in_order") {
+        return;
+    }
+    let ridge = cuboid(
+        DVec3::new(-3e3, -200.0, -9e3),
+        DVec3::new(3e3, 2500.0, -8e3),
+    );
+    let suns = [90.0, 0.0, 0.2, -0.1, -5.0, 30.0, 1e-9];
+    let eyes = [0.0, 2e3, 4e5, -150.0, -9e4];
+    for k in 0..70 {
+        let elevation = suns[k % 7];
+        let sun = toward(10.0 * DEG, elevation * DEG, 0.0);
+        let eye = DVec3::Y * eyes[k % 5];
+        let forward = [sun, -sun, DVec3::Y, DVec3::NEG_Y, DVec3::NEG_Z][(k / 2) % 5];
+        let mut scene = scene(&ridge, 10.0, elevation);
+        scene.sun = Some(SunEntry {
+            azimuth_deg: 10.0,
+            elevation_deg: elevation,
+            illuminance: None,
+            diameter_deg: [Some(0.0), None, Some(5.0)][k % 3],
+        });
+        scene.ground.enabled = k % 2 == 0;
+        scene.air = Some(ClearAir {
+            turbidity: Some([1.0, 3.0, 20.0][k % 3]),
+            aerosol_phase: Phase::Fog { droplet: 50e-6 },
+            ..ClearAir::default()
+        });
+        let haze = fog(Shape::Haze { top: 1e3 }, 1e-4, 1e-5, Phase::Rayleigh);
+        scene.media = vec![haze];
+        scene.media.truncate(k % 2);
+        let mut camera = Camera::look_at(eye, eye + forward, 60.0 * DEG);
+        camera.projection = match k % 3 {
+            0 => Projection::Perspective { fov_y: 60.0 * DEG },
+            1 => Projection::Orthographic { height: 3e3 },
+            _ => Projection::Panorama,
+        };
+        let size = [[1, 1], [1, 7], [13, 5]][(k / 2) % 3];
+        let conditions = conditions(scene, camera, size);
+        // Both are checked to be finite and not negative.
+        let (found, truth) = (by_gpu(&conditions), by_reference(&conditions));
+        for frame in [&found, &truth] {
+            assert!(frame.transmittance.iter().all(|t| t.max_element() <= 1.0));
+        }
+        let names = |f: &Frame| f.layers.iter().map(|l| l.name).collect::<Vec<_>>();
+        assert_eq!(names(&found), names(&truth), "{k}");
+        // No light is stronger than all sunlight there is, thrown straight back by the sharpest phase function.
+        let most = 2e5 * Phase::Fog { droplet: 50e-6 }.peak();
+        for value in layer(&found, Field::InscatterSun) {
+            assert!(value.max_element() <= most, "{k}: {value}");
         }
     }
 }
