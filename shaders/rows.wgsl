@@ -24,7 +24,7 @@ fn measure(@builtin(global_invocation_id) id: vec3u) {
     }
     let origin = ray_origin(id);
     let direction = ray_direction(id);
-    let span = shaded_span(origin, direction, surfaces[pixel_index(id)].distance);
+    let span = shaded_span(origin, direction, surfaces[pixel_index(id)]);
     let slice = slice_of(origin, direction);
     if span.shaded.y <= span.shaded.x || along_light(slice, span.shaded) {
         return;

@@ -19,7 +19,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     let i = pixel_index(id);
     let origin = ray_origin(id);
     let direction = ray_direction(id);
-    let span = shaded_span(origin, direction, surfaces[i].distance);
+    let span = shaded_span(origin, direction, surfaces[i]);
     if span.air.y <= span.air.x {
         return;
     }

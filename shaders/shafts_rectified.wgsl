@@ -1,7 +1,7 @@
 // Sunlight scattered by the air between the exact borders of light and shadow that a row of the rectified map holds.
 
 @group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-// The numbers of rows, of columns, and of rows that a pixel reads.
+// The numbers of rows, of columns, of rows that a pixel reads, and of halvings of each border.
 @group(1) @binding(1) var<storage, read> knobs: array<f32>;
 @group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
 
@@ -13,7 +13,7 @@ fn integrate(@builtin(global_invocation_id) id: vec3u) {
     let i = pixel_index(id);
     let origin = ray_origin(id);
     let direction = ray_direction(id);
-    let span = shaded_span(origin, direction, surfaces[i].distance);
+    let span = shaded_span(origin, direction, surfaces[i]);
     if span.air.y <= span.air.x {
         return;
     }
@@ -26,7 +26,8 @@ fn integrate(@builtin(global_invocation_id) id: vec3u) {
     let share = fract(between);
     var sum = vec3f(0.0);
     for (var k = 0u; k < select(1u, 2u, share > 0.0); k++) {
-        sum += abs(1.0 - f32(k) - share) * scattered_in_row(origin, direction, slice, span, rows, u32(between) + k);
+        sum += abs(1.0 - f32(k) - share) * scattered_in_row(origin, direction, slice, span, rows, u32(between) + k,
+                                                                u32(knobs[3]));
     }
     inscatter[i] += vec4f(light.illuminance * sum, 0.0);
     report_counts();

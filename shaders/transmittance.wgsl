@@ -11,9 +11,7 @@ fn attenuate(@builtin(global_invocation_id) id: vec3u) {
     let origin = ray_origin(id);
     let direction = ray_direction(id);
     let surface = surfaces[pixel_index(id)];
-    var end = surface.distance;
-    if surface.number == 0u {
-        end = air_end(origin, direction);
-    }
+    // Air that a surface lies behind attenuates its light beyond the end of rays that meet nothing, too.
+    let end = select(surface.distance, ray_end(surface, origin, direction), surface.number == 0u);
     transmittance[pixel_index(id)] = vec4f(exp(-optical_depth(origin, direction, end)), 0.0);
 }

@@ -6,7 +6,7 @@ use common::files::*;
 use glam::{DVec2, DVec3};
 use serde_json::Value;
 use std::collections::BTreeSet;
-use tyndall::medium::{Phase, Shape};
+use tyndall::medium::{ClearAir, Phase, Shape};
 use tyndall::scene::{self, Projection};
 
 #[test]
@@ -82,6 +82,18 @@ fn toml_says_all_that_it_holds() {
         (scene.media[2].absorption, scene.media[2].phase),
         (DVec3::splat(4e-6), Phase::Rayleigh)
     );
+    let air = ClearAir {
+        turbidity: Some(2.5),
+        base: Some(10.0),
+        far: 80_000.0,
+        molecules_scale_height: 8000.0,
+        aerosol_scale_height: 1500.0,
+        aerosol_albedo: 0.95,
+        aerosol_phase: Phase::Fog { droplet: 1e-6 },
+    };
+    assert_eq!(scene.air, Some(air));
+    let plain = folder.load("air.toml", "[[medium]]\nshape = \"air\"\n");
+    assert_eq!(plain.expect("it loads").air, Some(ClearAir::default()));
     assert_eq!(
         (
             scene.picture.size,
@@ -99,6 +111,16 @@ fn toml_says_all_that_it_holds() {
         ),
         ("\"nishita-hazy\"", Phase::NishitaHazy),
         ("\"nishita-murky\"", Phase::NishitaMurky),
+        (
+            "\"draine\", g = 0.4, a = 3",
+            Phase::Draine { g: 0.4, a: 3.0 },
+        ),
+        (
+            "\"fog\", droplet_um = 8",
+            Phase::Fog {
+                droplet: 8.0 * 1e-6,
+            },
+        ),
     ] {
         let text = format!(
             "[[medium]]\nshape = \"haze\"\ntop = 1\nscattering = 1\nphase = {{ kind = {kind} }}\n"
@@ -191,6 +213,18 @@ fn toml_errors_name_file_line_key_and_remedy() {
         (
             "[[medium]]\nshape = \"haze\"\ntop = 3\nscattering = 1\nphase = { kind = \"henyey-greenstein\", g = 1 }",
             &["bad.toml:6: medium[0].phase.g", "-1 to 1", "excluded"],
+        ),
+        (
+            "[[medium]]\nshape = \"haze\"\ntop = 3\nscattering = 1\nphase = { kind = \"fog\", droplet_um = 51 }",
+            &["bad.toml:6: medium[0].phase.droplet_um", "0.01 to 50"],
+        ),
+        (
+            "[[medium]]\nshape = \"air\"\nturbidity = 0.5",
+            &["bad.toml:4: medium[0].turbidity", "1 to 20"],
+        ),
+        (
+            "[[medium]]\nshape = \"air\"\n[[medium]]\nshape = \"air\"",
+            &["bad.toml:5: medium[1].shape", "one clear air"],
         ),
         (
             "[[medium]]\nshape = \"haze\"\ntop = 3\nscattering = 1\nphase = { kind = \"mie\" }",
@@ -331,6 +365,8 @@ fn schema_and_example_know_the_same_keys() {
     );
     // An orthographic camera's, which the example's perspective one cannot have.
     used.insert(".camera.height".into());
+    // Draine's phase function, which the example does not use.
+    used.insert(".medium.phase.a".into());
     assert_eq!(known, used);
     assert!(!schema.to_string().contains("null"), "TOML has no null");
 }

@@ -15,8 +15,26 @@ struct Medium {
     greatest: vec3f,
     // Height: that of the eye over the base in scale heights; the scale height; where rays that meet nothing end.
     start: f32,
+    // Clear air: depth from the site to the sun.
+    overhead: vec3f,
     scale_height: f32,
     far: f32,
+    // Whether it is of the clear air, whose light the models of sun and sky hold already: 1, of shape height.
+    clear: u32,
+    // Draine's part of the phase function and its share; `g` is that of Henyey-Greenstein's.
+    g_draine: f32,
+    a: f32,
+    weight: f32,
+}
+
+// Which media send the light that `scattered` integrates; the others take from it all the same.
+const ALL_MEDIA = 0u;
+const ALL_BUT_CLEAR = 1u;
+const ONLY_CLEAR = 2u;
+var<private> sources: u32 = ALL_MEDIA;
+
+fn is_source(medium: Medium) -> bool {
+    return sources == ALL_MEDIA || (sources == ONLY_CLEAR) == (medium.clear != 0u);
 }
 
 // (1 - e^-x) / x.
@@ -39,14 +57,17 @@ fn exponential_integral3(start: vec3f, slope: vec3f, length: vec3f) -> vec3f {
     return exp(-min(start, start + change)) * length * phi1_3(abs(change));
 }
 
+fn henyey_greenstein(g: f32, one_minus_mu: f32) -> f32 {
+    const PI = 3.14159265358979;
+    let below = 1.0 - g;
+    let square = below * below + 2.0 * g * one_minus_mu;
+    return below * (1.0 + g) / (4.0 * PI * square * sqrt(square));
+}
+
 // Phase function [1/sr] from 1 - mu; +1 looks at the sun.
 fn phase_value(medium: Medium, one_minus_mu: f32) -> f32 {
     const PI = 3.14159265358979;
     let mu = 1.0 - one_minus_mu;
-    let g = medium.g;
-    let below = 1.0 - g;
-    let square = below * below + 2.0 * g * one_minus_mu;
-    let stretched = square * sqrt(square);
     let half = 0.5 * (1.0 + mu);
     let half2 = half * half;
     let half8 = half2 * half2 * half2 * half2;
@@ -54,11 +75,21 @@ fn phase_value(medium: Medium, one_minus_mu: f32) -> f32 {
     switch medium.phase {
         case 0u: { return 1.0 / (4.0 * PI); }
         case 1u: { return 3.0 / (16.0 * PI) * (1.0 + mu * mu); }
-        case 2u: { return (1.0 - g * g) / (4.0 * PI * stretched); }
-        case 3u: { return 3.0 * (1.0 - g * g) * (1.0 + mu * mu) / (8.0 * PI * (2.0 + g * g) * stretched); }
+        case 2u: { return henyey_greenstein(medium.g, one_minus_mu); }
+        // Cornette-Shanks, Draine, and the mixture for fog.
+        case 3u: {
+            let g = medium.g_draine;
+            let draine = henyey_greenstein(g, one_minus_mu) * (1.0 + medium.a * mu * mu) / (1.0 + medium.a * (1.0 + 2.0 * g * g) / 3.0);
+            return mix(henyey_greenstein(medium.g, one_minus_mu), draine, medium.weight);
+        }
         case 4u: { return (1.0 + 9.0 * half8) / (8.0 * PI); }
         default: { return 33.0 / (332.0 * PI) * (1.0 + 50.0 * half16 * half16); }
     }
+}
+
+// What a medium scatters of the sun's light toward the eye where it is as dense as at its base [1/(m sr)].
+fn source_of(medium: Medium, one_minus_mu: f32) -> vec3f {
+    return select(vec3f(0.0), medium.scattering * phase_value(medium, one_minus_mu), is_source(medium));
 }
 
 // The part of a half-line inside a box or a haze; an empty one has its end before its start.
@@ -106,23 +137,36 @@ fn base_length(medium: Medium, origin: vec3f, direction: vec3f, a: f32, b: f32) 
     return dense * (b - a) * phi1(abs(direction.y / medium.scale_height * (b - a)));
 }
 
-// Length of base air from a ray's point to the sun.
-fn base_above(medium: Medium, origin: vec3f, direction: vec3f, t: f32, toward: vec3f) -> f32 {
-    if toward.y <= 0.0 {
-        return 1e30;
-    }
-    return min(density(medium, origin, direction, t) * medium.scale_height / toward.y, 1e30);
-}
-
 // A coefficient times a length: nothing stays nothing however long the way.
 fn depth_of(extinction: vec3f, length: f32) -> vec3f {
     return min(extinction * length, vec3f(1e30));
 }
 
-// Distance beyond which a ray that meets nothing sees no more air.
+// Depth of a height medium toward the sun from where it has a density: of the clear air relative to the site, so that it is
+// negative above that but never below -overhead.
+fn depth_above(medium: Medium, density: f32, toward: vec3f) -> vec3f {
+    if medium.clear != 0u {
+        return medium.overhead * (density - 1.0);
+    }
+    let length = select(1e30, min(density * medium.scale_height / toward.y, 1e30), toward.y > 0.0);
+    return depth_of(medium.extinction, length);
+}
+
+// The change of that depth over a length of base air, with the sign turned: both are linear in each other.
+fn depth_passed(medium: Medium, direction: vec3f, toward: vec3f) -> vec3f {
+    if medium.clear != 0u {
+        return medium.overhead * (direction.y / medium.scale_height);
+    }
+    return medium.extinction * (direction.y / toward.y);
+}
+
+// Distance beyond which a ray that meets nothing sees no more air; what sends no light into the sky is not looked for.
 fn air_end(origin: vec3f, direction: vec3f) -> f32 {
     var end = 0.0;
     for (var i = 0u; i < frame.media; i++) {
+        if sources == ALL_BUT_CLEAR && media[i].clear != 0u {
+            continue;
+        }
         if media[i].shape == HEIGHT {
             end = max(end, media[i].far);
         } else {
@@ -133,9 +177,20 @@ fn air_end(origin: vec3f, direction: vec3f) -> f32 {
     return min(end, FARTHEST);
 }
 
+// Where a ray ends: at its surface or with the air. From here on `scattered` knows whether the ray meets anything: where it
+// does not, sky and sun hold the clear air already, which sends no light then but takes from what other media send.
+fn ray_end(surface: Surface, origin: vec3f, direction: vec3f) -> f32 {
+    sources = select(ALL_MEDIA, ALL_BUT_CLEAR, surface.number == 0u);
+    return min(surface.distance, air_end(origin, direction));
+}
+
+// Of all media on a ray that meets a surface, of all but the clear air on one that does not.
 fn optical_depth(origin: vec3f, direction: vec3f, distance: f32) -> vec3f {
     var depth = vec3f(0.0);
     for (var i = 0u; i < frame.media; i++) {
+        if sources == ALL_BUT_CLEAR && media[i].clear != 0u {
+            continue;
+        }
         if media[i].shape == HEIGHT {
             depth += depth_of(media[i].extinction, base_length(media[i], origin, direction, 0.0, distance));
         } else {
@@ -149,7 +204,7 @@ fn sun_optical_depth(p: vec3f, toward: vec3f) -> vec3f {
     var depth = vec3f(0.0);
     for (var i = 0u; i < frame.media; i++) {
         if media[i].shape == HEIGHT {
-            depth += depth_of(media[i].extinction, base_above(media[i], p, vec3f(0.0), 0.0, toward));
+            depth += depth_above(media[i], density(media[i], p, vec3f(0.0), 0.0), toward);
         } else {
             depth += depth_of(media[i].extinction, length_inside(media[i], p, toward, FARTHEST));
         }
@@ -214,11 +269,13 @@ fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, o
         let last = length_inside(medium, origin + (a + 0.75 * length) * direction, toward, FARTHEST);
         let slope = (last - first) / (0.5 * length);
         let eye = length_inside(medium, origin, direction, a);
-        piece.depth += medium.extinction * (eye + max(first - 0.25 * length * slope, 0.0));
+        // What is left of the difference below its rounding is nothing: dense media would make much of it.
+        let start = first - 0.25 * length * slope;
+        piece.depth += medium.extinction * (eye + select(start, 0.0, start < 5e-7 * max(first, last)));
         piece.slope += medium.extinction * slope;
         if inside(medium, origin + (a + 0.5 * length) * direction) {
             piece.slope += medium.extinction;
-            piece.source += medium.scattering * phase_value(medium, one_minus_mu);
+            piece.source += source_of(medium, one_minus_mu);
         }
     }
     return piece;
@@ -229,8 +286,8 @@ fn all_depth(piece: Piece, origin: vec3f, direction: vec3f, a: f32, t: f32, towa
     for (var i = 0u; i < frame.media; i++) {
         let medium = media[i];
         if medium.shape == HEIGHT {
-            let length = base_length(medium, origin, direction, 0.0, t) + base_above(medium, origin, direction, t, toward);
-            depth += depth_of(medium.extinction, length);
+            depth += depth_of(medium.extinction, base_length(medium, origin, direction, 0.0, t));
+            depth += depth_above(medium, density(medium, origin, direction, t), toward);
         }
     }
     return depth;
@@ -243,29 +300,31 @@ fn scattered_part(whole: Piece, start: f32, origin: vec3f, direction: vec3f, a: 
     piece.depth += whole.slope * (a - start);
     var heights = 0u;
     var only = 0u;
+    var sends = any(piece.source > vec3f(0.0));
     for (var i = 0u; i < frame.media; i++) {
         if media[i].shape == HEIGHT {
             heights += 1u;
             only = i;
+            sends = sends || is_source(media[i]);
         }
     }
+    if !sends {
+        return vec3f(0.0);
+    }
     if heights == 0u {
-        if all(piece.source == vec3f(0.0)) {
-            return vec3f(0.0);
-        }
         return piece.source * exponential_integral3(piece.depth, piece.slope, vec3f(b - a));
     }
     if heights == 1u && all(piece.depth == vec3f(0.0)) && all(piece.slope == vec3f(0.0)) {
         // The exponent is linear in the medium's own optical depth.
         let medium = media[only];
-        if toward.y <= 0.0 {
+        if medium.clear == 0u && toward.y <= 0.0 {
             return vec3f(0.0);
         }
         let run = base_length(medium, origin, direction, a, b);
-        let ahead = base_length(medium, origin, direction, 0.0, a) + base_above(medium, origin, direction, a, toward);
-        let turn = 1.0 - direction.y / toward.y;
-        let source = medium.scattering * phase_value(medium, one_minus_mu);
-        return source * exponential_integral3(depth_of(medium.extinction, ahead), medium.extinction * turn, vec3f(run));
+        let ahead = depth_of(medium.extinction, base_length(medium, origin, direction, 0.0, a))
+            + depth_above(medium, density(medium, origin, direction, a), toward);
+        let slope = medium.extinction - depth_passed(medium, direction, toward);
+        return source_of(medium, one_minus_mu) * exponential_integral3(ahead, slope, vec3f(run));
     }
     // A mixture: three-point Gauss-Legendre on parts that change little.
     let change = abs(all_depth(piece, origin, direction, a, b, toward) - all_depth(piece, origin, direction, a, a, toward));
@@ -287,7 +346,7 @@ fn scattered_part(whole: Piece, start: f32, origin: vec3f, direction: vec3f, a: 
             for (var i = 0u; i < frame.media; i++) {
                 let medium = media[i];
                 if medium.shape == HEIGHT {
-                    source += medium.scattering * (phase_value(medium, one_minus_mu) * density(medium, origin, direction, t));
+                    source += source_of(medium, one_minus_mu) * density(medium, origin, direction, t);
                 }
             }
             sum += weight * source * exp(-all_depth(piece, origin, direction, a, t, toward));

@@ -196,9 +196,23 @@ fn column_distance(rows: Rows, slice: Slice, span: Span, column: f32) -> f32 {
     return clamp((a - slice.start) / slice.sine, span.shaded.x, span.shaded.y);
 }
 
+// Where a ray turns near a column's beginning: halved `steps` times by asking the maps at the ray's own azimuth.
+fn refined_column(rows: Rows, slice: Slice, column: f32, lit_behind: bool, steps: u32) -> f32 {
+    // A column and a half to either side: the row is not quite the ray's own.
+    var ends = vec2f(column - 1.5, column + 1.5);
+    for (var k = 0u; k < steps; k++) {
+        let middle = 0.5 * (ends.x + ends.y);
+        let a = across_of(rows, middle / f32(rows.columns));
+        let lit = slice.c >= slice_threshold(slice, slice_height(slice_place(slice.row, a)), a);
+        ends = select(vec2f(middle, ends.y), vec2f(ends.x, middle), lit == lit_behind);
+    }
+    return 0.5 * (ends.x + ends.y);
+}
+
 // Sunlight that a ray scatters to the eye [1/sr]: shaded by one row, or by the one place that a ray along the light meets.
 // The row's columns are gone through from the eye outward; children that are as the ray is are passed over at once.
-fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32) -> vec3f {
+// Borders are refined on the maps in `halvings` steps.
+fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32, halvings: u32) -> vec3f {
     begin_runs(origin, direction, span.air);
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
     let crossing = crossing_of(rows, slice, span.shaded);
@@ -281,12 +295,18 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
                 last += 1u;
             }
         }
+        // The errors of many borders cancel, so that few are worth a finer look.
+        let steps = select(0u, halvings, run_count <= 8u);
         for (var k = 0u; k < run_count; k++) {
             let column = -1.0 - run_borders[k];
-            if column >= 0.0 {
+            if column > f32(crossing.first) {
+                count_reads(steps);
+                let refined = refined_column(rows, slice, column, (k & 1u) == 0u, steps);
+                let t = column_distance(rows, slice, span, refined);
+                run_borders[k] = max(t, run_borders[max(k, 1u) - 1u]);
+            } else if column >= 0.0 {
                 // The first column begins before the ray does.
-                let t = column_distance(rows, slice, span, column);
-                run_borders[k] = select(t, span.shaded.x, column <= f32(crossing.first));
+                run_borders[k] = span.shaded.x;
             }
         }
         integrate_runs();

@@ -22,9 +22,9 @@ fn air_span(origin: vec3f, direction: vec3f) -> vec2f {
     return span;
 }
 
-fn shaded_span(origin: vec3f, direction: vec3f, surface: f32) -> Span {
+fn shaded_span(origin: vec3f, direction: vec3f, surface: Surface) -> Span {
     let air = air_span(origin, direction);
-    let end = min(min(surface, air_end(origin, direction)), air.y);
+    let end = min(ray_end(surface, origin, direction), air.y);
     var span: Span;
     span.air = vec2f(air.x, max(end, air.x));
     let between = shadow_span(origin, direction);

@@ -4,7 +4,7 @@ use super::{Conditions, GroundPlane, Sun, checks, toward};
 use crate::ephemeris::civil::{self, Fold, Moment, Reading};
 use crate::ephemeris::{self, Site, SunPosition, Tier, TimeScale, sun_position};
 use crate::error::{Error, Result, nearest};
-use crate::medium::Air;
+use crate::medium::{Air, clear};
 use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
 use crate::sky::sun::{SunPath, visible_part};
 use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
@@ -79,6 +79,7 @@ impl Conditions {
         for (index, medium) in scene.media.iter().enumerate() {
             checks::medium(index, medium, height)?;
         }
+        scene.air.as_ref().map_or(Ok(()), checks::air)?;
         if !scene.north_deg.is_finite() {
             return Err(Error::domain(
                 "north",
@@ -93,18 +94,24 @@ impl Conditions {
         } else {
             0.2
         };
-        let (sun, sky, instant) = match &scene.sun {
+        let (sun, sky, path, instant) = match &scene.sun {
             Some(entry) => {
-                let (sun, sky) = given_sun(&scene, entry, north, ground_albedo)?;
-                (sun, sky, None)
+                let path = SunPath::standard(entry.elevation_deg * DEG, turbidity(&scene.sky));
+                let (sun, sky) = given_sun(&scene, entry, &path, north, ground_albedo)?;
+                (sun, sky, path, None)
             }
             None => {
                 let instant = instant(&scene, request)?;
                 warnings.extend(instant.moment.warnings.iter().cloned());
-                let (sun, sky) = real_sun(&scene, &instant, north, ground_albedo)?;
-                (sun, Some(sky), Some(instant))
+                let path = sun_path(&scene, &instant);
+                let (sun, sky) = real_sun(&scene, &instant, &path, north, ground_albedo)?;
+                (sun, Some(sky), path, Some(instant))
             }
         };
+        let mut media = scene.media.clone();
+        if let Some(air) = &scene.air {
+            media.extend(clear::media(air, &path, height)?);
+        }
         if let Some(sky) = &sky {
             warnings.extend(sky.warnings().iter().cloned());
         }
@@ -125,7 +132,7 @@ impl Conditions {
                 albedo: DVec3::splat(scene.ground.albedo),
             }),
             air: Air {
-                media: scene.media.clone(),
+                media,
                 ground: height,
             },
             warnings,
@@ -138,6 +145,7 @@ impl Conditions {
 fn given_sun(
     scene: &Scene,
     entry: &SunEntry,
+    path: &SunPath,
     north: f64,
     albedo: f64,
 ) -> Result<(Sun, Option<Sky>)> {
@@ -167,7 +175,7 @@ fn given_sun(
                 ..SunLight::of_illuminance(full, angular_radius, elevation)
             }
         }
-        (None, Some(sky)) => sky.sunlight(&SunPath::standard(elevation, turbidity(&scene.sky)))?,
+        (None, Some(sky)) => sky.sunlight(path)?,
         (None, None) => unreachable!("a sun without illuminance has a sky"),
     };
     let sun = Sun {
@@ -180,7 +188,13 @@ fn given_sun(
 }
 
 /// The sun of a place and a time, and its sky.
-fn real_sun(scene: &Scene, instant: &Instant, north: f64, albedo: f64) -> Result<(Sun, Sky)> {
+fn real_sun(
+    scene: &Scene,
+    instant: &Instant,
+    path: &SunPath,
+    north: f64,
+    albedo: f64,
+) -> Result<(Sun, Sky)> {
     let position = &instant.position;
     let toward = toward(position.azimuth, position.elevation_apparent, north);
     let sky = Sky::new(
@@ -192,18 +206,23 @@ fn real_sun(scene: &Scene, instant: &Instant, north: f64, albedo: f64) -> Result
             site_elevation: instant.site.elevation(),
         },
     )?;
-    let path = SunPath {
-        distance_au: position.distance_au,
-        pressure_hpa: ephemeris::Air::standard(&instant.site).pressure_hpa(),
-        ..SunPath::standard(position.elevation_apparent, turbidity(&scene.sky))
-    };
     let sun = Sun {
         toward,
-        light: sky.sunlight(&path)?,
+        light: sky.sunlight(path)?,
         angular_radius: position.angular_radius,
         limb_darkening: true,
     };
     Ok((sun, sky))
+}
+
+/// What the sunlight of a place and a time comes through.
+fn sun_path(scene: &Scene, instant: &Instant) -> SunPath {
+    let position = &instant.position;
+    SunPath {
+        distance_au: position.distance_au,
+        pressure_hpa: ephemeris::Air::standard(&instant.site).pressure_hpa(),
+        ..SunPath::standard(position.elevation_apparent, turbidity(&scene.sky))
+    }
 }
 
 /// The scene's place and time, and where the sun stands then.

@@ -1,7 +1,7 @@
 //! The domains of what a user can say.
 
 use crate::error::{Error, Result};
-use crate::medium::{Medium, Phase, Shape};
+use crate::medium::{ClearAir, Fog, Medium, Phase, Shape};
 use crate::scene::{Camera, Ground, Projection, SunEntry};
 use crate::units::DEG;
 use glam::DVec3;
@@ -24,19 +24,7 @@ pub(super) fn medium(index: usize, medium: &Medium, ground: f64) -> Result<()> {
     };
     coefficient("scattering", medium.scattering)?;
     coefficient("absorption", medium.absorption)?;
-    match medium.phase {
-        Phase::HenyeyGreenstein { g } | Phase::CornetteShanks { g }
-            if !(-0.9999..=0.9999).contains(&g) =>
-        {
-            return Err(Error::domain(
-                name("g"),
-                g,
-                "-0.9999 to 0.9999",
-                "0.6 to 0.9 is usual for haze and fog",
-            ));
-        }
-        _ => {}
-    }
+    phase(&medium.phase, name)?;
     match medium.shape {
         Shape::Box { min, max }
             if !(min.is_finite() && max.is_finite() && min.cmplt(max).all()) =>
@@ -73,6 +61,82 @@ pub(super) fn medium(index: usize, medium: &Medium, ground: f64) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Checks a phase function's numbers, named by `name`.
+fn phase(phase: &Phase, name: impl Fn(&str) -> String) -> Result<()> {
+    match *phase {
+        Phase::HenyeyGreenstein { g } | Phase::CornetteShanks { g } | Phase::Draine { g, .. }
+            if !(-0.9999..=0.9999).contains(&g) =>
+        {
+            Err(Error::domain(
+                name("g"),
+                g,
+                "-0.9999 to 0.9999",
+                "0.6 to 0.9 is usual for haze and fog",
+            ))
+        }
+        Phase::Draine { a, .. } if !(0.0..=1e6).contains(&a) => Err(Error::domain(
+            name("a"),
+            a,
+            "0 to 1e6",
+            "0 is Henyey-Greenstein, 1 Cornette-Shanks",
+        )),
+        Phase::Fog { droplet } if !(Fog::DIAMETER[0]..=Fog::DIAMETER[1]).contains(&droplet) => {
+            Err(Error::domain(
+                name("droplet_um"),
+                format!("{} micrometres", 1e6 * droplet),
+                "0.01 to 50 micrometres",
+                "fog has droplets of 5 to 20 micrometres, mist and haze smaller ones",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks the numbers of the clear air that no other check sees.
+pub(super) fn air(air: &ClearAir) -> Result<()> {
+    let name = |key: &str| format!("the air's {key}");
+    let positive = |key: &str, value: f64, remedy: &str| {
+        if value.is_finite() && value > 0.0 {
+            Ok(())
+        } else {
+            Err(Error::domain(
+                name(key),
+                format!("{value} m"),
+                "above 0",
+                remedy,
+            ))
+        }
+    };
+    positive(
+        "scale_height",
+        air.molecules_scale_height,
+        "8434 m is usual for molecules",
+    )?;
+    positive(
+        "aerosol_scale_height",
+        air.aerosol_scale_height,
+        "1200 m is usual",
+    )?;
+    positive("far", air.far, "100000 m is usual")?;
+    if air.base.is_some_and(|base| !base.is_finite()) {
+        return Err(Error::domain(
+            name("base"),
+            air.base.unwrap_or_default(),
+            "a finite height",
+            "give the site's height in the scene, in metres",
+        ));
+    }
+    if !(0.0..=1.0).contains(&air.aerosol_albedo) {
+        return Err(Error::domain(
+            name("aerosol_albedo"),
+            air.aerosol_albedo,
+            "0 to 1",
+            "0.9 to 1 is usual",
+        ));
+    }
+    phase(&air.aerosol_phase, name)
 }
 
 /// Checks a camera's numbers.

@@ -68,6 +68,16 @@ impl Conditions {
                 ),
             ));
         }
+        let clear = self.air.media.iter().filter(|m| m.is_clear_air());
+        let extinction = luminance(clear.map(|medium| medium.extinction()).sum());
+        if extinction > 0.0 {
+            // Koschmieder 1924: contrast falls to 2 % over ln 50 / extinction.
+            let range = 50f64.ln() / extinction / 1000.0;
+            lines.push((
+                "air",
+                format!("clear air with a visual range of {range:.0} km at the site"),
+            ));
+        }
         lines
     }
 

@@ -12,7 +12,7 @@ pub use sun::{Sun, SunPoint};
 
 use crate::colour::luminance;
 use crate::medium::{Air, Shape};
-use crate::scene::{Camera, Geometry, Ray, Scene};
+use crate::scene::{Camera, Geometry, Scene};
 use crate::sky::Sky;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -62,15 +62,6 @@ pub fn toward(azimuth: f64, elevation: f64, north: f64) -> DVec3 {
 }
 
 impl Conditions {
-    /// Distance at which a ray ends: at its surface, or where the air does.
-    pub fn ray_end(&self, ray: &Ray, distance: f64) -> f64 {
-        if distance.is_finite() {
-            distance
-        } else {
-            self.air.end(ray.origin, ray.direction)
-        }
-    }
-
     /// A typical luminance of the picture [cd/m2]: open ground of albedo 0.2. An estimate to compare contributions with.
     pub fn typical_luminance(&self) -> f64 {
         let sun = self.sun.illuminance_lux() * self.sun.toward.y.max(0.0);
@@ -89,7 +80,7 @@ impl Conditions {
             .map(|medium| {
                 let length = match medium.shape {
                     Shape::Box { min, max } => (max - min).length(),
-                    Shape::Haze { .. } | Shape::Height { .. } => f64::INFINITY,
+                    Shape::Haze { .. } | Shape::Height { .. } | Shape::Air { .. } => f64::INFINITY,
                 };
                 let extinction = medium.extinction().max_element();
                 if extinction == 0.0 {
@@ -123,6 +114,7 @@ impl Conditions {
         ]
         .into_iter()
         .flatten()
+        .chain(self.scene.air.map(|_| "the clear air".to_owned()))
         .collect::<Vec<_>>()
         .join(" and ")
     }

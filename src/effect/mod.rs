@@ -10,6 +10,7 @@
 //! An effect has no state. `decide` tells before anything is rendered whether the scene calls for it; `reference` prepares
 //! what a frame needs once and returns the function that is run on batches of rays.
 
+pub mod air_shadow;
 pub mod compose;
 pub mod pass;
 pub mod rows;
@@ -42,6 +43,7 @@ pub const ALL: &[&Effect] = &[
     &surface_sky::SURFACE_SKY,
     &shafts_rectified::SHAFTS_RECTIFIED,
     &shafts_march::SHAFTS_MARCH,
+    &air_shadow::AIR_SHADOW,
     &compose::COMPOSE,
 ];
 
@@ -186,6 +188,10 @@ pub enum Field {
     InscatterSky,
     /// Light of lamps scattered by the air [cd/m2].
     InscatterLights,
+    /// Sunlight that the clear air before the sky would scatter where geometry shadows it [cd/m2].
+    AirShadow,
+    /// Sunlight that the clear air before the sky would scatter without shadows [cd/m2].
+    AirLight,
 }
 
 impl Field {
@@ -212,6 +218,8 @@ impl Field {
             Field::InscatterSun => "inscatter_sun",
             Field::InscatterSky => "inscatter_sky",
             Field::InscatterLights => "inscatter_lights",
+            Field::AirShadow => "air_shadow",
+            Field::AirLight => "air_light",
         }
     }
 }
@@ -269,7 +277,7 @@ pub struct Fields {
     pub pixels: Vec<UVec2>,
     /// [`Field::Surface`].
     pub surfaces: Vec<Surface>,
-    values: [Option<Vec<DVec3>>; 8],
+    values: [Option<Vec<DVec3>>; 10],
 }
 
 fn slot(field: Field) -> usize {
@@ -283,6 +291,8 @@ fn slot(field: Field) -> usize {
         Field::InscatterSun => 5,
         Field::InscatterSky => 6,
         Field::InscatterLights => 7,
+        Field::AirShadow => 8,
+        Field::AirLight => 9,
     }
 }
 

@@ -85,6 +85,7 @@ pub fn decide(conditions: &Conditions) -> Decision {
         format!("sunlight meets {}", conditions.media_phrase()),
         Contribution::Bound(
             strongest
+                * conditions.air.greatest_sun_gain()
                 * conditions.sun.illuminance_lux()
                 * -(-conditions.greatest_optical_depth()).exp_m1(),
         ),
@@ -95,20 +96,24 @@ pub fn decide(conditions: &Conditions) -> Decision {
 pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>) -> Batch<'a> {
     let suns = conditions.sun.points(settings.get("suns") as usize);
     let toward: Vec<DVec3> = suns.iter().map(|sun| sun.toward).collect();
+    let before_sky = conditions.air.before_sky();
+    let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
     Box::new(move |fields| {
         let mut dark = Vec::new();
         fields.update(Field::InscatterSun, |ray, _, surface, present| {
-            let end = conditions
-                .ray_end(ray, surface.distance)
-                .min(conditions.air.end(ray.origin, ray.direction));
+            // On a ray that meets nothing the clear air only takes from what other media send.
+            let (air, within) = match surface.is_met() {
+                true => (&conditions.air, &conditions.air),
+                false => (&open, &before_sky),
+            };
+            let end = surface.distance.min(within.end(ray.origin, ray.direction));
             if end <= 0.0 {
                 return present;
             }
             conditions.geometry.dark_runs(ray, end, &toward, &mut dark);
             let mut sum = DVec3::ZERO;
             for (sun, dark) in suns.iter().zip(&dark) {
-                let scattering =
-                    Scattering::new(&conditions.air, ray.origin, ray.direction, end, sun.toward);
+                let scattering = Scattering::new(air, ray.origin, ray.direction, end, sun.toward);
                 for [from, to] in complement(dark, end) {
                     sum += sun.illuminance * scattering.integrate(from, to);
                 }

@@ -6,6 +6,9 @@
 //! overlap. There is no step. What is left of error is the width of rows and columns and of the maps' texels, and falls with
 //! each of them.
 //!
+//! A border of light lies between the middles of two columns; where there are few of them, which then matter, some reads of
+//! the maps at the ray's own azimuth halve that uncertainty again and again.
+//!
 //! With two rows a pixel their light is blended by the pixel's place between them; a pixel then uses its own end with a
 //! neighbour's heights, which darkens the last cells at silhouettes and on grazing ground. One row is the default.
 
@@ -30,6 +33,12 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
             values: [1.0; 4],
             range: [1.0, 2.0],
         },
+        Knob {
+            name: "halvings",
+            meaning: "reads of the maps by which each border of light is made finer than columns",
+            values: [0.0, 4.0, 4.0, 5.0],
+            range: [0.0, 8.0],
+        },
     ],
     decide: shafts::decide,
     reference: shafts::reference,
@@ -45,7 +54,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
                 Resource::Read(Field::Surface),
                 Resource::Table(|_, settings| {
                     let mut table = rows::table(settings);
-                    table.push(settings.get("blend") as f32);
+                    table.extend(["blend", "halvings"].map(|knob| settings.get(knob) as f32));
                     table
                 }),
                 Resource::Update(Field::InscatterSun),

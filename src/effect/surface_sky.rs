@@ -306,7 +306,7 @@ impl<'a> SkyShare<'a> {
     fn open_radiance(&self, point: DVec3, direction: DVec3) -> DVec3 {
         let air = &self.conditions.air;
         if direction.y >= 0.0 {
-            let depth = air.sun_optical_depth(point, direction);
+            let depth = air.sky_optical_depth(point, direction);
             return self.sky.radiance(direction) * (-depth).exp();
         }
         match &self.conditions.ground {

@@ -29,7 +29,9 @@ pub const SURFACE_SUN: Effect = Effect {
         }
         Decision::run(
             format!("the sun gives {:.0} lx", conditions.sun.illuminance_lux()),
-            Contribution::Bound(conditions.sun.illuminance_lux() / PI),
+            Contribution::Bound(
+                conditions.air.greatest_sun_gain() * conditions.sun.illuminance_lux() / PI,
+            ),
         )
     },
     reference: |conditions, settings| {

@@ -1,6 +1,9 @@
 //! How much light the air lets through from the end of each ray to the eye: e^-tau, tau the optical depth.
 //!
-//! Coefficients of media that overlap add. Rays that meet nothing end where the air does (a height medium: at its `far`).
+//! Coefficients of media that overlap add. Rays that meet nothing end where the air does (a height medium: at its `far`), and
+//! the clear air counts only on those that meet a surface: sky and sun hold it already ([`crate::medium`]). So the layer is
+//! everywhere what the light behind the air is multiplied by; at a silhouette it steps from the whole of the air before the
+//! surface to what the other media leave of the sky.
 
 use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource};
 
@@ -31,11 +34,14 @@ pub const TRANSMITTANCE: Effect = Effect {
         }
     },
     reference: |conditions, _| {
-        Box::new(|fields| {
+        let before_sky = conditions.air.before_sky();
+        Box::new(move |fields| {
             fields.update(Field::Transmittance, |ray, _, surface, _| {
-                let end = conditions.ray_end(ray, surface.distance);
-                let depth = conditions.air.optical_depth(ray.origin, ray.direction, end);
-                (-depth).exp()
+                let (air, end) = match surface.is_met() {
+                    true => (&conditions.air, surface.distance),
+                    false => (&before_sky, before_sky.end(ray.origin, ray.direction)),
+                };
+                (-air.optical_depth(ray.origin, ray.direction, end)).exp()
             });
         })
     },

@@ -5,7 +5,7 @@ use super::shared::{self, Attributes, Material};
 use crate::conditions::Conditions;
 use crate::effect::Resource;
 use crate::error::Result;
-use crate::medium::{Phase, Shape};
+use crate::medium::{Fog, Phase, Shape};
 use crate::scene::{Geometry, Ray, Wrap};
 use glam::{DVec3, UVec2, Vec3};
 use std::collections::BTreeMap;
@@ -219,21 +219,12 @@ pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
     air.media
         .iter()
         .map(|medium| {
-            let (phase, g) = match medium.phase {
-                Phase::Isotropic => (0, 0.0),
-                Phase::Rayleigh => (1, 0.0),
-                Phase::HenyeyGreenstein { g } => (2, g),
-                Phase::CornetteShanks { g } => (3, g),
-                Phase::NishitaHazy => (4, 0.0),
-                Phase::NishitaMurky => (5, 0.0),
-            };
             let mut shared = shared::Medium {
                 scattering: medium.scattering.as_vec3(),
                 extinction: medium.extinction().as_vec3(),
-                phase,
-                g: g as f32,
                 ..shared::Medium::default()
             };
+            put_phase(&mut shared, &medium.phase);
             match medium.shape {
                 Shape::Box { min, max } => {
                     shared.least = (min - eye).as_vec3();
@@ -254,8 +245,46 @@ pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
                     shared.scale_height = scale_height as f32;
                     shared.far = far as f32;
                 }
+                Shape::Air {
+                    base,
+                    scale_height,
+                    far,
+                    overhead,
+                } => {
+                    shared.shape = 2;
+                    shared.start = ((eye.y - base) / scale_height) as f32;
+                    shared.scale_height = scale_height as f32;
+                    shared.far = far as f32;
+                    shared.clear = 1;
+                    shared.overhead = overhead.as_vec3();
+                }
             }
             shared
         })
         .collect()
+}
+
+/// A phase function in numbers: which formula, and its parameters. A droplet's fit is made here.
+fn put_phase(shared: &mut shared::Medium, phase: &Phase) {
+    let (formula, fog) = match *phase {
+        Phase::Isotropic => (0, Fog::default()),
+        Phase::Rayleigh => (1, Fog::default()),
+        Phase::HenyeyGreenstein { g } => {
+            let fog = Fog {
+                g,
+                ..Fog::default()
+            };
+            (2, fog)
+        }
+        Phase::CornetteShanks { g } => (3, Fog::of_draine(g, 1.0)),
+        Phase::NishitaHazy => (4, Fog::default()),
+        Phase::NishitaMurky => (5, Fog::default()),
+        Phase::Draine { g, a } => (3, Fog::of_draine(g, a)),
+        Phase::Fog { droplet } => (3, Fog::of_droplet(droplet)),
+    };
+    shared.phase = formula;
+    shared.g = fog.g as f32;
+    shared.g_draine = fog.g_draine as f32;
+    shared.a = fog.a as f32;
+    shared.weight = fog.weight as f32;
 }

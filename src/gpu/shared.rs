@@ -79,8 +79,13 @@ pub struct Medium {
     pub g: f32,
     pub greatest: Vec3,
     pub start: f32,
+    pub overhead: Vec3,
     pub scale_height: f32,
     pub far: f32,
+    pub clear: u32,
+    pub g_draine: f32,
+    pub a: f32,
+    pub weight: f32,
 }
 
 /// `PartitionMap` of shaders/common/light.wgsl.
@@ -223,8 +228,13 @@ mod tests {
                 g,
                 greatest,
                 start,
+                overhead,
                 scale_height,
-                far
+                far,
+                clear,
+                g_draine,
+                a,
+                weight
             }
         ));
         assert!(same!(COMMON, PartitionMap { least, texel }));

@@ -15,7 +15,7 @@ mod load;
 mod obj;
 mod toml;
 
-use crate::medium::Medium;
+use crate::medium::{ClearAir, Medium};
 use glam::{DVec2, DVec3};
 
 pub use camera::{Camera, Projection, Ray};
@@ -54,6 +54,8 @@ pub struct Scene {
     pub ground: Ground,
     /// The media, in the file's order.
     pub media: Vec<Medium>,
+    /// The clear air between the eye and what it sees; absent: what lies there is seen through nothing but `media`.
+    pub air: Option<ClearAir>,
     /// How the scene wants to be pictured when no flag says otherwise.
     pub picture: PictureEntry,
     /// What was left out or is doubtful, one sentence each.

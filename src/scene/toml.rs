@@ -6,7 +6,7 @@
 use super::camera::{Camera, Projection};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
 use crate::error::{Error, Result};
-use crate::medium::{Medium, Phase, Shape};
+use crate::medium::{ClearAir, Medium, Phase, Shape};
 use crate::units::DEG;
 use glam::{DMat3, DVec2, DVec3};
 use schemars::JsonSchema;
@@ -198,6 +198,30 @@ enum MediumTable {
         /// Isotropic when absent.
         phase: Option<PhaseTable>,
     },
+    /// The clear air between the eye and what it sees: molecules and aerosol, both thinning with height. Sun and sky hold its
+    /// light already: rays that meet nothing gain none by it, and lose what geometry shadows.
+    Air {
+        /// Turbidity [1]; the sky's when absent.
+        #[schemars(range(min = 1.0, max = 20.0))]
+        turbidity: Option<f64>,
+        /// Height in the scene of the site to which sun, sky and coefficients belong [m]; the ground's when absent.
+        #[schemars(extend("x-unit" = "m"))]
+        base: Option<f64>,
+        /// Where rays that meet nothing end [m]; 100 000 when absent.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+        far: Option<f64>,
+        /// Height over which the molecules fall by a factor e [m]; 8 434 when absent.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+        scale_height: Option<f64>,
+        /// Height over which the aerosol falls by a factor e [m]; 1 200 when absent.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+        aerosol_scale_height: Option<f64>,
+        /// Share of the aerosol's extinction that is scattering; 0.925 when absent.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        aerosol_albedo: Option<f64>,
+        /// The aerosol's; Henyey-Greenstein with g = 0.703 when absent. Molecules follow Rayleigh.
+        phase: Option<PhaseTable>,
+    },
 }
 
 /// A coefficient [1/m], the same for all colours or one for each channel of the working space.
@@ -232,6 +256,21 @@ enum PhaseTable {
     NishitaHazy {},
     /// Nishita et al. 1987, murky.
     NishitaMurky {},
+    /// Draine 2003.
+    Draine {
+        /// Parameter; above 0 is forward.
+        #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 1.0))]
+        g: f64,
+        /// Weight of the squared cosine: 0 is Henyey-Greenstein, 1 Cornette-Shanks.
+        #[schemars(range(min = 0.0, max = 1e6))]
+        a: f64,
+    },
+    /// Water droplets, Jendersie & d'Eon 2023.
+    Fog {
+        /// Diameter of the droplets [micrometres].
+        #[schemars(range(min = 0.01, max = 50.0), extend("x-unit" = "um"))]
+        droplet_um: f64,
+    },
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -324,15 +363,22 @@ pub(super) fn load(
             albedo: ground.albedo.unwrap_or(default.albedo),
         };
     }
-    scene.media = file
-        .medium
-        .into_iter()
-        .enumerate()
-        .map(|(i, medium)| {
-            medium
-                .read(&|key, problem, remedy| wrong(&format!("medium[{i}].{key}"), problem, remedy))
-        })
-        .collect::<Result<_>>()?;
+    for (i, medium) in file.medium.into_iter().enumerate() {
+        let wrong = |key: &str, problem: String, remedy: &str| {
+            wrong(&format!("medium[{i}].{key}"), problem, remedy)
+        };
+        match medium.read(&wrong)? {
+            Filling::Medium(medium) => scene.media.push(medium),
+            Filling::Air(_) if scene.air.is_some() => {
+                return Err(wrong(
+                    "shape",
+                    "there is air already".into(),
+                    "leave one of the two out: a place has one clear air",
+                ));
+            }
+            Filling::Air(air) => scene.air = Some(air),
+        }
+    }
     if let Some(picture) = file.picture {
         scene.picture = PictureEntry {
             size: picture.size,
@@ -422,9 +468,53 @@ impl Coefficient {
     }
 }
 
+impl PhaseTable {
+    fn read(self) -> Phase {
+        match self {
+            PhaseTable::Isotropic {} => Phase::Isotropic,
+            PhaseTable::Rayleigh {} => Phase::Rayleigh,
+            PhaseTable::HenyeyGreenstein { g } => Phase::HenyeyGreenstein { g },
+            PhaseTable::CornetteShanks { g } => Phase::CornetteShanks { g },
+            PhaseTable::NishitaHazy {} => Phase::NishitaHazy,
+            PhaseTable::NishitaMurky {} => Phase::NishitaMurky,
+            PhaseTable::Draine { g, a } => Phase::Draine { g, a },
+            PhaseTable::Fog { droplet_um } => Phase::Fog {
+                droplet: 1e-6 * droplet_um,
+            },
+        }
+    }
+}
+
+/// What a `[[medium]]` is.
+enum Filling {
+    Medium(Medium),
+    Air(ClearAir),
+}
+
 impl MediumTable {
-    fn read(self, wrong: Wrong) -> Result<Medium> {
+    fn read(self, wrong: Wrong) -> Result<Filling> {
         let (shape, scattering, absorption, phase) = match self {
+            MediumTable::Air {
+                turbidity,
+                base,
+                far,
+                scale_height,
+                aerosol_scale_height,
+                aerosol_albedo,
+                phase,
+            } => {
+                let default = ClearAir::default();
+                return Ok(Filling::Air(ClearAir {
+                    turbidity,
+                    base,
+                    far: far.unwrap_or(default.far),
+                    molecules_scale_height: scale_height.unwrap_or(default.molecules_scale_height),
+                    aerosol_scale_height: aerosol_scale_height
+                        .unwrap_or(default.aerosol_scale_height),
+                    aerosol_albedo: aerosol_albedo.unwrap_or(default.aerosol_albedo),
+                    aerosol_phase: phase.map_or(default.aerosol_phase, PhaseTable::read),
+                }));
+            }
             MediumTable::Box {
                 min,
                 max,
@@ -466,19 +556,12 @@ impl MediumTable {
                 phase,
             ),
         };
-        Ok(Medium {
+        Ok(Filling::Medium(Medium {
             shape,
             scattering: scattering.rgb(),
             absorption: absorption.map_or(DVec3::ZERO, Coefficient::rgb),
-            phase: match phase {
-                None | Some(PhaseTable::Isotropic {}) => Phase::Isotropic,
-                Some(PhaseTable::Rayleigh {}) => Phase::Rayleigh,
-                Some(PhaseTable::HenyeyGreenstein { g }) => Phase::HenyeyGreenstein { g },
-                Some(PhaseTable::CornetteShanks { g }) => Phase::CornetteShanks { g },
-                Some(PhaseTable::NishitaHazy {}) => Phase::NishitaHazy,
-                Some(PhaseTable::NishitaMurky {}) => Phase::NishitaMurky,
-            },
-        })
+            phase: phase.map_or(Phase::Isotropic, PhaseTable::read),
+        }))
     }
 }
 

@@ -73,17 +73,29 @@ pub fn sweeps() -> Vec<Trial> {
         add(Method::March, &[("steps", steps)]);
     }
     add(Method::March, &[("steps", 64.0), ("jitter", 1.0)]);
-    for (rows, columns, blend) in [
-        (512.0, 512.0, 1.0),
-        (1024.0, 1024.0, 1.0),
-        (1024.0, 1024.0, 2.0),
-        (2048.0, 2048.0, 1.0),
-        (2048.0, 2048.0, 2.0),
-        (4096.0, 4096.0, 2.0),
+    for (size, blend, halvings) in [
+        (512.0, 1.0, 0.0),
+        (512.0, 1.0, 3.0),
+        (1024.0, 1.0, 0.0),
+        (1024.0, 1.0, 2.0),
+        (1024.0, 1.0, 3.0),
+        (1024.0, 1.0, 4.0),
+        (1024.0, 2.0, 0.0),
+        (1024.0, 2.0, 3.0),
+        (2048.0, 1.0, 0.0),
+        (2048.0, 1.0, 3.0),
+        (2048.0, 2.0, 0.0),
+        (2048.0, 2.0, 3.0),
+        (4096.0, 1.0, 3.0),
     ] {
         add(
             Method::Rectified,
-            &[("rows", rows), ("columns", columns), ("blend", blend)],
+            &[
+                ("rows", size),
+                ("columns", size),
+                ("blend", blend),
+                ("halvings", halvings),
+            ],
         );
     }
     for trial in &mut trials {

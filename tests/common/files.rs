@@ -203,6 +203,15 @@ far = 60000.0
 scattering = 6e-5
 absorption = 4e-6
 phase = { kind = "rayleigh" }
+[[medium]]
+shape = "air"
+turbidity = 2.5
+base = 10.0
+far = 80000.0
+scale_height = 8000.0
+aerosol_scale_height = 1500.0
+aerosol_albedo = 0.95
+phase = { kind = "fog", droplet_um = 1.0 }
 [picture]
 size = [960, 600]
 samples = 8

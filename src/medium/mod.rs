@@ -1,0 +1,194 @@
+//! What fills the air: shapes, scattering and absorption coefficients, phase functions.
+//!
+//! # The clear air
+//!
+//! Sky and sun models hold the light of the clear air already: the sun's illuminance is that at the site, the sky's radiance is
+//! what comes through to the eye. Media of the shape [`Shape::Air`] make that air visible between the eye and what it sees,
+//! counted once:
+//! - toward the sun they count only against the site: overhead (density - 1), negative above the site's height, where the sun
+//!   is brighter. It never falls below -overhead, which is finite for any sun ([`clear::overhead`] says how);
+//! - a ray that meets a surface is attenuated and lit as in any medium;
+//! - on a ray that meets nothing they add no light and attenuate neither sky nor disc ([`Air::before_sky`]); of the sky's light
+//!   is taken what geometry shadows of them ([`crate::effect::air_shadow`]). Light that other media send there still passes
+//!   through them, as it does beside it on a ray that meets a surface.
+
+pub mod clear;
+mod exponential;
+mod height;
+mod phase;
+mod region;
+mod scattering;
+
+pub use clear::ClearAir;
+pub use phase::{Fog, Phase};
+pub use scattering::Scattering;
+
+use glam::DVec3;
+use height::HeightTerm;
+use region::Region;
+
+/// A participating medium. Coefficients of media that overlap add.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Medium {
+    /// Where it is.
+    pub shape: Shape,
+    /// Scattering coefficient [1/m] of each channel of the working space, finite and not negative.
+    pub scattering: DVec3,
+    /// Absorption coefficient [1/m] of each channel of the working space, finite and not negative.
+    pub absorption: DVec3,
+    /// How scattered light spreads over directions.
+    pub phase: Phase,
+}
+
+/// Where a medium is and how its coefficients vary.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// Homogeneous inside an axis-aligned box [m]; sunlight is attenuated from the box's face.
+    Box {
+        /// The corner of least coordinates [m].
+        min: DVec3,
+        /// The corner of greatest coordinates [m].
+        max: DVec3,
+    },
+    /// Homogeneous from the ground up to `top` [m]; sunlight is attenuated from there along the slant.
+    Haze {
+        /// Height of the upper boundary [m].
+        top: f64,
+    },
+    /// Coefficients fall as exp(-(y - base) / scale_height) over a flat earth.
+    Height {
+        /// Height at which the coefficients are those given [m].
+        base: f64,
+        /// Height over which they fall by a factor e [m], positive.
+        scale_height: f64,
+        /// Distance at which rays that meet nothing end [m], positive.
+        far: f64,
+    },
+    /// One kind of particle of the clear air, whose light the models of sun and sky hold already. Coefficients fall as those of
+    /// [`Shape::Height`].
+    Air {
+        /// Height of the site, to which sun and sky belong and the coefficients too [m].
+        base: f64,
+        /// Height over which they fall by a factor e [m], positive.
+        scale_height: f64,
+        /// Distance up to which shadows in it are seen on rays that meet nothing [m], positive.
+        far: f64,
+        /// Optical depth from the site to the sun [1], finite: what the sun's illuminance has lost to it.
+        overhead: DVec3,
+    },
+}
+
+/// No path through the air is followed further than this [m]; a flat, endless haze is as good as opaque long before.
+pub const FARTHEST: f64 = 1e9;
+
+impl Medium {
+    /// Extinction coefficient [1/m]: scattering plus absorption.
+    pub fn extinction(&self) -> DVec3 {
+        self.scattering + self.absorption
+    }
+
+    /// Whether the models of sun and sky hold its light already.
+    pub fn is_clear_air(&self) -> bool {
+        matches!(self.shape, Shape::Air { .. })
+    }
+}
+
+/// The air of a scene: its media above its ground.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Air {
+    /// The media. Those of the shape haze begin at the ground.
+    pub media: Vec<Medium>,
+    /// Height of the ground [m].
+    pub ground: f64,
+}
+
+impl Air {
+    fn region(&self, medium: &Medium) -> Option<Region> {
+        match medium.shape {
+            Shape::Box { min, max } => Some(Region { min, max }),
+            Shape::Haze { top } => Some(Region {
+                min: DVec3::new(f64::NEG_INFINITY, self.ground, f64::NEG_INFINITY),
+                max: DVec3::new(f64::INFINITY, top, f64::INFINITY),
+            }),
+            Shape::Height { .. } | Shape::Air { .. } => None,
+        }
+    }
+
+    /// The media that take light from sky and disc: all but the clear air.
+    pub fn before_sky(&self) -> Air {
+        let mut air = self.clone();
+        air.media.retain(|medium| !medium.is_clear_air());
+        air
+    }
+
+    /// The same air, in which only the media that `scatters` keeps send light; the others absorb what they would scatter.
+    pub fn with_sources(&self, scatters: impl Fn(&Medium) -> bool) -> Air {
+        let mut air = self.clone();
+        for medium in air.media.iter_mut().filter(|medium| !scatters(medium)) {
+            medium.absorption = medium.extinction();
+            medium.scattering = DVec3::ZERO;
+        }
+        air
+    }
+
+    /// The most by which sunlight may be brighter somewhere than at the site [1], at least 1.
+    pub fn greatest_sun_gain(&self) -> f64 {
+        let overhead = self.media.iter().map(|medium| match medium.shape {
+            Shape::Air { overhead, .. } => overhead,
+            _ => DVec3::ZERO,
+        });
+        overhead.sum::<DVec3>().max_element().exp()
+    }
+
+    /// Distance beyond which a ray that meets nothing sees no more air [m].
+    pub fn end(&self, ray_origin: DVec3, ray_direction: DVec3) -> f64 {
+        self.media
+            .iter()
+            .map(|medium| match (medium.shape, self.region(medium)) {
+                (Shape::Height { far, .. } | Shape::Air { far, .. }, _) => far,
+                (_, Some(region)) => {
+                    let (enter, leave) = region.chord(ray_origin, ray_direction);
+                    if leave > enter { leave } else { 0.0 }
+                }
+                _ => 0.0,
+            })
+            .fold(0.0, f64::max)
+            .min(FARTHEST)
+    }
+
+    /// Optical depth of the first `distance` metres of a ray [1].
+    pub fn optical_depth(&self, origin: DVec3, direction: DVec3, distance: f64) -> DVec3 {
+        let depth = |medium: &Medium| match self.region(medium) {
+            Some(region) => {
+                let (enter, leave) = region.chord(origin, direction);
+                medium.extinction() * (leave.min(distance) - enter).max(0.0)
+            }
+            None => HeightTerm::new(medium, origin, direction, DVec3::Y, DVec3::ZERO)
+                .map_or(DVec3::ZERO, |term| term.eye_depth(distance)),
+        };
+        self.media.iter().map(depth).sum()
+    }
+
+    /// Optical depth from a point to the sun [1]: of the clear air relative to the site, so that it may be negative; beyond all
+    /// bounds where another haze or height medium is met by a sun that is not above the horizon.
+    pub fn sun_optical_depth(&self, point: DVec3, toward_sun: DVec3) -> DVec3 {
+        self.depth_beyond(point, toward_sun, |_| true)
+    }
+
+    /// Optical depth from a point to the sky in some direction [1]: that of all media but the clear air.
+    pub fn sky_optical_depth(&self, point: DVec3, direction: DVec3) -> DVec3 {
+        self.depth_beyond(point, direction, |medium| !medium.is_clear_air())
+    }
+
+    fn depth_beyond(&self, point: DVec3, toward: DVec3, counts: fn(&Medium) -> bool) -> DVec3 {
+        let depth = |medium: &Medium| match self.region(medium) {
+            Some(region) => medium.extinction() * region.depth(point, toward),
+            None => HeightTerm::new(medium, point, DVec3::X, toward, DVec3::ZERO)
+                .map_or(DVec3::ZERO, |term| term.sun_depth(0.0)),
+        };
+        self.media.iter().filter(|m| counts(m)).map(depth).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests;
