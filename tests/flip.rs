@@ -194,7 +194,10 @@ fn differences_are_those_of_the_authors_program() {
     };
     let judged: Option<Vec<Value>> = serde_json::from_str(&text).expect("flip.py prints JSON");
     let Some(judged) = judged else {
-        common::not_run(name, "flip-evaluator is not built for this system");
+        common::not_run(
+            name,
+            "this Python has no flip-evaluator, which is built for some systems only",
+        );
         return;
     };
     let (mut worst_mean, mut worst_pixel): (f64, f64) = (0.0, 0.0);

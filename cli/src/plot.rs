@@ -36,6 +36,8 @@ const TOP: f64 = 104.0;
 const BOTTOM: f64 = 690.0;
 const MARKER: f64 = 6.5;
 const LABEL: f64 = 13.0;
+const TICK: f64 = 15.0;
+const FRONT_WIDTH: f64 = 9.0;
 
 /// A quantity along an axis.
 #[derive(Debug, Clone)]
@@ -141,7 +143,7 @@ impl Plot {
 
         chart.grid(&mut drawing);
         let front = self.staircase(&chart);
-        drawing.line(front.clone(), 9.0, FRONT, None);
+        drawing.line(front.clone(), FRONT_WIDTH, FRONT, None);
         chart.frame(&mut drawing);
         for style in &styles {
             let points = style.series.points.iter().map(|p| chart.at(p));
@@ -172,7 +174,7 @@ impl Plot {
                 [x + 18.0, y + 9.0],
                 [x + 36.0, y + 9.0],
             ];
-            drawing.line(step.to_vec(), 9.0, FRONT, None);
+            drawing.line(step.to_vec(), FRONT_WIDTH, FRONT, None);
             let name = [x + 46.0, y + 5.0];
             drawing.text(name, 15.0, Anchor::Start, INK, "Pareto front");
         }
@@ -210,6 +212,7 @@ impl Plot {
         let mut corners: Vec<[f64; 2]> = on_front.map(|(_, point)| chart.at(point)).collect();
         corners.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let [_, top, right, _] = chart.area;
+        let (top, right) = (top + FRONT_WIDTH, right - FRONT_WIDTH);
         let mut line: Vec<[f64; 2]> = Vec::new();
         for [x, y] in corners {
             let before = line.last().map_or(top, |last| last[1]);
@@ -333,20 +336,12 @@ fn star(corners: u32, outer: f64, inner: f64, turn: f64) -> Vec<[f64; 2]> {
 
 /// A cross with thick arms, turned by a part of the circle.
 fn cross(turn: f64) -> Vec<[f64; 2]> {
-    let (sin, cos) = (TAU * turn).sin_cos();
-    let arm = |i: u32| {
-        let (s, c) = (TAU * f64::from(i) / 4.0).sin_cos();
-        [[0.42, -1.3], [0.42, -0.42]].map(|[u, v]| [c * u - s * v, s * u + c * v])
+    const ARM: [[f64; 2]; 3] = [[-0.42, -1.3], [0.42, -1.3], [0.42, -0.42]];
+    let arm = |i: i32| {
+        let (sin, cos) = (TAU * (f64::from(i) / 4.0 + turn)).sin_cos();
+        ARM.map(|[u, v]| [cos * u - sin * v, sin * u + cos * v])
     };
-    let first = |i: u32| {
-        let (s, c) = (TAU * f64::from(i) / 4.0).sin_cos();
-        let [u, v] = [-0.42, -1.3];
-        [c * u - s * v, s * u + c * v]
-    };
-    let corners = (0..4).flat_map(|i| [vec![first(i)], arm(i).to_vec()].concat());
-    corners
-        .map(|[u, v]| [cos * u - sin * v, sin * u + cos * v])
-        .collect()
+    (0..4).flat_map(arm).collect()
 }
 
 /// The axes: where a measurement stands.
@@ -418,20 +413,20 @@ impl Chart {
 
     fn grid(&self, drawing: &mut Drawing) {
         let [left, top, right, bottom] = self.area;
-        for tick in ticks(self.x, right - left) {
+        for tick in ticks(self.x, right - left, along_x) {
             let x = self.along(tick.log);
             let (width, color) = tick.stroke();
             drawing.line(vec![[x, top], [x, bottom]], width, color, None);
             if let Some(text) = tick.text {
-                drawing.text([x, bottom + 20.0], 15.0, Anchor::Middle, INK, text);
+                drawing.text([x, bottom + 20.0], TICK, Anchor::Middle, INK, text);
             }
         }
-        for tick in ticks(self.y, bottom - top) {
+        for tick in ticks(self.y, bottom - top, |_| 26.0) {
             let y = self.down(tick.log);
             let (width, color) = tick.stroke();
             drawing.line(vec![[left, y], [right, y]], width, color, None);
             if let Some(text) = tick.text {
-                drawing.text([left - 10.0, y], 15.0, Anchor::End, INK, text);
+                drawing.text([left - 10.0, y], TICK, Anchor::End, INK, text);
             }
         }
     }
@@ -445,13 +440,14 @@ impl Chart {
 
 struct Tick {
     log: f64,
-    decade: bool,
+    /// Of ten, if it is one.
+    power: Option<i32>,
     text: Option<String>,
 }
 
 impl Tick {
     fn stroke(&self) -> (f64, Color) {
-        if self.decade {
+        if self.power.is_some() {
             (1.0, DECADE)
         } else {
             (0.8, BETWEEN)
@@ -459,37 +455,44 @@ impl Tick {
     }
 }
 
-/// Ticks at 1, 2 and 5 times the powers of ten between two logarithms; those have numbers for which an axis of a length has room.
-fn ticks([from, to]: [f64; 2], length: f64) -> Vec<Tick> {
-    let per_decade = length / (to - from);
-    // From 1 to 2 is 0.3 of a decade; a number with its air is about 50 wide.
-    let between = 0.3 * per_decade > 50.0;
-    let every = (45.0 / per_decade).ceil().max(1.0) as i32;
+/// The room that a number takes on the axis of x.
+fn along_x(text: &str) -> f64 {
+    text_width(text, TICK) + 12.0
+}
+
+/// Ticks at 1, 2 and 5 times the powers of ten between two logarithms, on an axis of a length. All have numbers if those have
+/// the room that they take, else the powers of ten, or some of them.
+fn ticks([from, to]: [f64; 2], length: f64, room: fn(&str) -> f64) -> Vec<Tick> {
     let mut list = Vec::new();
     for power in from.floor() as i32..=to.ceil() as i32 {
         for digit in [1, 2, 5] {
             let log = f64::from(power) + f64::from(digit).log10();
-            if !(from..=to).contains(&log) {
-                continue;
-            }
-            let decade = digit == 1;
-            let named = between || decade && power % every == 0;
-            list.push(Tick {
-                log,
-                decade,
-                text: named.then(|| match power {
-                    -4..=-1 => format!("{:.*}", power.unsigned_abs() as usize, log_value(log)),
-                    0..=4 => format!("{:.0}", log_value(log)),
+            if (from..=to).contains(&log) {
+                let text = match power {
+                    -4..=-1 => format!("{:.*}", power.unsigned_abs() as usize, 10_f64.powf(log)),
+                    0..=4 => format!("{:.0}", 10_f64.powf(log)),
                     _ => format!("{digit}e{power}"),
-                }),
-            });
+                };
+                list.push(Tick {
+                    log,
+                    power: (digit == 1).then_some(power),
+                    text: Some(text),
+                });
+            }
+        }
+    }
+    let widest = list.iter().flat_map(|tick| &tick.text).map(|t| room(t));
+    let decades = widest.fold(0.0, f64::max) * (to - from) / length;
+    // From 1 to 2 is 0.3 of a decade.
+    if decades > 2.0_f64.log10() {
+        let every = decades.ceil() as i32;
+        for tick in &mut list {
+            if tick.power.is_none_or(|power| power % every != 0) {
+                tick.text = None;
+            }
         }
     }
     list
-}
-
-fn log_value(log: f64) -> f64 {
-    10.0_f64.powf(log)
 }
 
 /// A number with three significant digits.
@@ -595,10 +598,6 @@ mod tests {
         for name in ["plot.svg", "plot.png", "plot.html"] {
             plot.save(&path(name)).expect(name);
         }
-        if let Ok(kept) = std::env::var("TYNDALL_KEEP") {
-            std::fs::copy(path("plot.png"), Path::new(&kept).join("plot.png")).expect("kept");
-            std::fs::copy(path("plot.html"), Path::new(&kept).join("plot.html")).expect("kept");
-        }
         let picture = image::open(path("plot.png")).expect("a picture").to_rgb8();
         assert_eq!(picture.dimensions(), (2400, 1600));
         // Each colour of a series is there, and the front's.
@@ -615,6 +614,31 @@ mod tests {
             page.matches("on the Pareto front").count(),
             plot.all().filter(|(_, point)| point.on_front).count()
         );
+    }
+
+    #[test]
+    fn a_crowd_keeps_its_markers_and_loses_labels_only() {
+        let mut plot = sample();
+        let series = (0..9).map(|i| Series {
+            name: format!("method number {i} of a long name"),
+            points: (0..12)
+                .map(|n| {
+                    let (i, n) = (f64::from(i), f64::from(n));
+                    Point {
+                        x: 3e-5 * 1.9_f64.powf(n + 0.2 * i),
+                        y: 2e-7 * 2.0_f64.powf(12.0 - n + 0.7 * (i + n * i).sin()),
+                        label: format!("{n} x {i}"),
+                        on_front: false,
+                    }
+                })
+                .collect(),
+        });
+        plot.series = series.collect();
+        plot.rivals.clear();
+        let svg = plot.draw().expect("it can be drawn").svg();
+        assert_eq!(svg.matches("<polygon").count(), 9 * 12 + 9);
+        let words = svg.matches("</text>").count();
+        assert!((60..9 * 12 + 50).contains(&words), "{words}");
     }
 
     #[test]
@@ -651,7 +675,7 @@ mod tests {
     #[test]
     fn ticks_and_numbers_are_round() {
         let texts = |range, length| -> Vec<String> {
-            ticks(range, length)
+            ticks(range, length, along_x)
                 .into_iter()
                 .filter_map(|t| t.text)
                 .collect()
