@@ -3,12 +3,25 @@
 
 @group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
 @group(1) @binding(1) var<storage, read_write> inscatter: array<vec4f>;
-// The number of steps; whether they are shifted.
+// The number of steps; whether they are shifted; halvings of each border.
 @group(1) @binding(2) var<storage, read> knobs: array<f32>;
 
 // Interleaved gradient noise, 0 to 1 (Jimenez 2014).
 fn noise(pixel: vec2u) -> f32 {
     return fract(52.9829189 * fract(dot(vec2f(pixel % 4096u), vec2f(0.06711056, 0.00583715))));
+}
+
+// Where the ray turns between the middles of two steps.
+fn refined_border(origin: vec3f, direction: vec3f, t: f32, step: f32, lit_behind: bool, shaded: vec2f) -> f32 {
+    let halvings = u32(knobs[2]);
+    count_reads(halvings);
+    var ends = clamp(vec2f(t - 0.5 * step, t + 0.5 * step), vec2f(shaded.x), vec2f(shaded.y));
+    for (var k = 0u; k < halvings; k++) {
+        let middle = 0.5 * (ends.x + ends.y);
+        let lit = sun_reaches(origin + middle * direction);
+        ends = select(vec2f(middle, ends.y), vec2f(ends.x, middle), lit == lit_behind);
+    }
+    return 0.5 * (ends.x + ends.y);
 }
 
 @compute @workgroup_size(8, 8)
@@ -43,8 +56,15 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
             } else if k > count {
                 t = span.air.y;
             }
-            turn(lit, t);
+            // A border between two steps is told from the others by its sign until it is refined.
+            turn(lit, select(t, -1.0 - t, k > 0u && k < count));
             k++;
+        }
+        for (var border = 0u; border < run_count; border++) {
+            let t = -1.0 - run_borders[border];
+            if t >= 0.0 {
+                run_borders[border] = refined_border(origin, direction, t, step, (border & 1u) == 0u, span.shaded);
+            }
         }
         integrate_runs();
     }

@@ -20,7 +20,11 @@ const DEG: f64 = PI / 180.0;
 type Settings<'a> = &'a [(&'a str, f64)];
 
 /// One point for the sun, 512 steps, maps whose texels are smaller than a pixel.
-const ADEQUATE: Settings = &[("shafts_march.steps", 512.0), ("shadow.resolution", 2048.0)];
+const ADEQUATE: Settings = &[
+    ("shafts_march.steps", 512.0),
+    ("shafts_march.halvings", 3.0),
+    ("shadow.resolution", 2048.0),
+];
 
 fn plan<'c>(conditions: &'c Conditions, set: Settings) -> Plan<'c> {
     let overrules = Overrules {

@@ -24,6 +24,13 @@ enum Item {
         color: Color,
         dash: Option<[f64; 2]>,
     },
+    Shape {
+        points: Vec<[f64; 2]>,
+        fill: Color,
+        width: f64,
+        color: Color,
+        tip: String,
+    },
     Text {
         at: [f64; 2],
         size: f64,
@@ -68,6 +75,24 @@ impl Drawing {
                 dash,
             });
         }
+    }
+
+    /// A filled polygon with an outline; `tip` is what a reader of the SVG is told who points at it.
+    pub fn shape(
+        &mut self,
+        points: Vec<[f64; 2]>,
+        fill: Color,
+        width: f64,
+        color: Color,
+        tip: impl Into<String>,
+    ) {
+        self.items.push(Item::Shape {
+            points,
+            fill,
+            width,
+            color,
+            tip: tip.into(),
+        });
     }
 
     /// A circle.
@@ -120,7 +145,8 @@ impl Drawing {
         }
     }
 
-    fn svg(&self) -> String {
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
         let (w, h) = (self.width, self.height);
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
@@ -134,17 +160,28 @@ impl Drawing {
                     color,
                     dash,
                 } => {
-                    let points: Vec<String> = points
-                        .iter()
-                        .map(|[x, y]| format!("{x:.2},{y:.2}"))
-                        .collect();
                     let dash = dash
                         .map(|[on, off]| format!(" stroke-dasharray=\"{on} {off}\""))
                         .unwrap_or_default();
                     svg += &format!(
                         "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}/>\n",
-                        points.join(" "),
+                        coordinates(points),
                         hex(*color)
+                    );
+                }
+                Item::Shape {
+                    points,
+                    fill,
+                    width,
+                    color,
+                    tip,
+                } => {
+                    svg += &format!(
+                        "<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"><title>{}</title></polygon>\n",
+                        coordinates(points),
+                        hex(*fill),
+                        hex(*color),
+                        escaped(tip)
                     );
                 }
                 Item::Text {
@@ -159,7 +196,7 @@ impl Drawing {
                         Anchor::Middle => "middle",
                         Anchor::End => "end",
                     };
-                    let text = text.replace('&', "&amp;").replace('<', "&lt;");
+                    let text = escaped(text);
                     svg += &format!(
                         "<text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{}\" stroke=\"white\" \
                          stroke-width=\"{:.2}\" paint-order=\"stroke\">{text}</text>\n",
@@ -194,6 +231,19 @@ impl Drawing {
                     };
                     canvas.stroke(&strokes, width * PIXELS, *color);
                 }
+                Item::Shape {
+                    points,
+                    fill,
+                    width,
+                    color,
+                    ..
+                } => {
+                    let mut scaled: Vec<[f64; 2]> =
+                        points.iter().map(|p| p.map(|c| c * PIXELS)).collect();
+                    canvas.fill(&scaled, *fill);
+                    scaled.extend(scaled.first().copied());
+                    canvas.stroke(&[scaled], width * PIXELS, *color);
+                }
                 Item::Text {
                     at,
                     size,
@@ -224,6 +274,16 @@ impl Drawing {
         })?;
         Ok(png.into_inner())
     }
+}
+
+fn coordinates(points: &[[f64; 2]]) -> String {
+    let points = points.iter().map(|[x, y]| format!("{x:.2},{y:.2}"));
+    points.collect::<Vec<_>>().join(" ")
+}
+
+/// A text as SVG and HTML hold it.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
 fn hex([r, g, b]: Color) -> String {
@@ -327,6 +387,34 @@ impl Canvas {
         for y in y0..y1 {
             for x in x0..x1 {
                 let alpha = coverage[(y - y0) * (x1 - x0) + x - x0];
+                for (channel, &c) in self.pixels[y * self.width + x].iter_mut().zip(&color) {
+                    *channel += alpha * (f32::from(c) - *channel);
+                }
+            }
+        }
+    }
+
+    /// Fills a polygon; where it crosses itself, what is inside twice is outside.
+    fn fill(&mut self, points: &[[f64; 2]], color: Color) {
+        let bound = |axis: usize, size: usize| {
+            let of = |f: fn(f64, f64) -> f64, from| points.iter().map(|p| p[axis]).fold(from, f);
+            let (low, high) = (of(f64::min, f64::INFINITY), of(f64::max, 0.0));
+            (low - 1.0).max(0.0) as usize..((high + 2.0) as usize).min(size)
+        };
+        let edges = || points.iter().zip(points.iter().cycle().skip(1));
+        for y in bound(1, self.height) {
+            for x in bound(0, self.width) {
+                let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
+                let (mut inside, mut distance) = (false, f64::INFINITY);
+                for (a, b) in edges() {
+                    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+                    inside ^= (a[1] > py) != (b[1] > py) && px < a[0] + dx * (py - a[1]) / dy;
+                    let along = (px - a[0]) * dx + (py - a[1]) * dy;
+                    let t = (along / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
+                    distance = distance.min((px - a[0] - t * dx).hypot(py - a[1] - t * dy));
+                }
+                let signed = if inside { distance } else { -distance };
+                let alpha = (0.5 + signed).clamp(0.0, 1.0) as f32;
                 for (channel, &c) in self.pixels[y * self.width + x].iter_mut().zip(&color) {
                     *channel += alpha * (f32::from(c) - *channel);
                 }

@@ -3,6 +3,8 @@
 //! The measure is relative RMSE = sqrt(mean((L - R)^2)) / mean(R) over luminances; its interval is a bootstrap of the same
 //! number. Pixels are drawn at random, one from each cell of an even grid (stratified), always the same ones for a size.
 
+pub mod flip;
+
 use crate::colour::luminance;
 use crate::effect::Field;
 use crate::error::{Error, Result};

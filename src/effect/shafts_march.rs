@@ -3,7 +3,7 @@
 //! Even steps over the part of the ray that anything can shade; the middle of a step says whether all of it is lit, and runs
 //! of lit steps are integrated with analytic transmittance, split at the faces of boxes. With `jitter` each pixel's steps are
 //! shifted by a share of their own (Jorge Jimenez's interleaved gradient noise), which turns bands into noise of the same
-//! error. A thing thinner than a step is seen or missed by chance: the error falls only as 1 / steps.
+//! error; with `halvings` the borders that are found are made finer. A thing thinner than a step is seen or missed by chance: the error falls only as 1 / steps.
 
 use super::shafts::{self, Method, SUNS};
 use super::{Effect, Field, Kind, Knob, Over, Pass, Resource};
@@ -30,6 +30,12 @@ pub const SHAFTS_MARCH: Effect = Effect {
             values: [0.0; 4],
             range: [0.0, 1.0],
         },
+        Knob {
+            name: "halvings",
+            meaning: "reads of the maps by which each border of light is made finer than steps",
+            values: [0.0; 4],
+            range: [0.0, 8.0],
+        },
     ],
     decide: shafts::decide,
     reference: shafts::reference,
@@ -41,7 +47,9 @@ pub const SHAFTS_MARCH: Effect = Effect {
             Resource::Read(Field::Surface),
             Resource::Update(Field::InscatterSun),
             Resource::Table(|_, settings| {
-                vec![settings.get("steps") as f32, settings.get("jitter") as f32]
+                ["steps", "jitter", "halvings"]
+                    .map(|knob| settings.get(knob) as f32)
+                    .to_vec()
             }),
         ],
         scratch: &[],

@@ -3,3 +3,4 @@
 pub mod ephemeris;
 pub mod scenes;
 pub mod shafts;
+pub mod pareto;
