@@ -17,6 +17,7 @@ pub mod rows;
 pub mod shadow;
 pub mod shafts;
 pub mod shafts_march;
+pub mod shafts_prefiltered;
 pub mod shafts_rectified;
 pub mod sky_dome;
 pub mod sun_disc;
@@ -42,6 +43,7 @@ pub const ALL: &[&Effect] = &[
     &surface_sun::SURFACE_SUN,
     &surface_sky::SURFACE_SKY,
     &shafts_rectified::SHAFTS_RECTIFIED,
+    &shafts_prefiltered::SHAFTS_PREFILTERED,
     &shafts_march::SHAFTS_MARCH,
     &air_shadow::AIR_SHADOW,
     &compose::COMPOSE,

@@ -98,6 +98,23 @@ pub fn sweeps() -> Vec<Trial> {
             ],
         );
     }
+    for (size, thresholds, blocks) in [
+        (512.0, 32.0, 4.0),
+        (1024.0, 32.0, 8.0),
+        (1024.0, 64.0, 8.0),
+        (1024.0, 64.0, 16.0),
+        (1024.0, 128.0, 32.0),
+    ] {
+        add(
+            Method::Prefiltered,
+            &[
+                ("rows", size),
+                ("columns", size),
+                ("thresholds", thresholds),
+                ("blocks", blocks),
+            ],
+        );
+    }
     for trial in &mut trials {
         trial.baseline = trial.method == Method::March && trial.set == [("steps", 64.0)];
     }
