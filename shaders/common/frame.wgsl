@@ -5,6 +5,8 @@ struct Frame {
     // First pixel of the tile, and its size.
     tile: vec2u,
     extent: vec2u,
+    // Size of a whole tile, which `project` fills [pixels].
+    tile_size: vec2f,
     right: vec3f,
     // 0 perspective, 1 orthographic, 2 panorama.
     projection: u32,

@@ -16,6 +16,7 @@ pub mod pass;
 pub mod rows;
 pub mod shadow;
 pub mod shafts;
+pub mod shafts_epipolar;
 pub mod shafts_march;
 pub mod shafts_prefiltered;
 pub mod shafts_rectified;
@@ -43,6 +44,7 @@ pub const ALL: &[&Effect] = &[
     &surface_sun::SURFACE_SUN,
     &surface_sky::SURFACE_SKY,
     &shafts_rectified::SHAFTS_RECTIFIED,
+    &shafts_epipolar::SHAFTS_EPIPOLAR,
     &shafts_prefiltered::SHAFTS_PREFILTERED,
     &shafts_march::SHAFTS_MARCH,
     &air_shadow::AIR_SHADOW,

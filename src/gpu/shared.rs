@@ -21,6 +21,7 @@ pub const PARTITIONS: usize = 16;
 pub struct Frame {
     pub tile: UVec2,
     pub extent: UVec2,
+    pub tile_size: Vec2,
     pub right: Vec3,
     pub projection: u32,
     pub up: Vec3,
@@ -173,6 +174,7 @@ mod tests {
             Frame {
                 tile,
                 extent,
+                tile_size,
                 right,
                 projection,
                 up,
@@ -260,6 +262,7 @@ mod tests {
             Frame {
                 tile,
                 extent,
+                tile_size,
                 right,
                 projection,
                 up,

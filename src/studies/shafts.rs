@@ -98,6 +98,25 @@ pub fn sweeps() -> Vec<Trial> {
             ],
         );
     }
+    for (size, samples, tolerance) in [
+        (512.0, 256.0, 0.05),
+        (1024.0, 256.0, 0.05),
+        (1024.0, 512.0, 0.05),
+        (1024.0, 512.0, 0.02),
+        (2048.0, 512.0, 0.01),
+        (2048.0, 1024.0, 0.005),
+    ] {
+        add(
+            Method::Epipolar,
+            &[
+                ("rows", size),
+                ("columns", size),
+                ("slices", size),
+                ("samples", samples),
+                ("tolerance", tolerance),
+            ],
+        );
+    }
     for (size, thresholds, blocks) in [
         (512.0, 32.0, 4.0),
         (1024.0, 32.0, 8.0),

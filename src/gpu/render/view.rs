@@ -44,6 +44,7 @@ impl Gpu<'_> {
         shared::Frame {
             tile: corner,
             extent,
+            tile_size: tile.as_vec2(),
             right: right.as_vec3(),
             projection: match camera.projection {
                 Projection::Perspective { .. } => 0,

@@ -1,0 +1,229 @@
+// Sunlight scattered by the air at sparse places of slices, refined where it bends or depth breaks, and blended for pixels.
+
+@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
+// The numbers of rows, of columns, of slices, of samples a slice; the tolerance; halvings of each border.
+@group(1) @binding(1) var<storage, read> knobs: array<f32>;
+@group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
+// Light [1/sr] and where the air that it comes from ends: at a surface (positive) or not (negative); 0 off the tile.
+@group(3) @binding(3) var<storage, read_write> samples: array<vec4f>;
+
+fn sample_index(slice: u32, number: u32) -> u32 {
+    return slice * (u32(knobs[3]) + 1u) + number;
+}
+
+// Where the air of a ray ends, with the sign that samples have.
+fn end_of(span: Span, surface: Surface) -> f32 {
+    return select(-span.air.y, span.air.y, surface.distance <= span.air.y);
+}
+
+// How much a sample that ends elsewhere says of a ray: 1 at the same place, 0 a tenth away or of another kind.
+fn likeness(end: f32, other: f32) -> f32 {
+    let apart = abs(other - end) / max(min(abs(end), abs(other)), 1e-30);
+    return select(0.0, clamp(1.0 - 10.0 * apart, 0.0, 1.0), end * other > 0.0);
+}
+
+// c of a sample; the outermost lie on the borders of what is asked for.
+fn sample_c(rows: Rows, number: u32) -> f32 {
+    return rows.low + 65533.0 / rows.scale * f32(number) / knobs[3];
+}
+
+fn sample_row(rows: Rows, slice: u32) -> f32 {
+    return rows.first + (f32(slice) + 0.5) * rows.step * f32(rows.count) / knobs[2];
+}
+
+// A sample's ray, in its slice at its own angle.
+struct Sample {
+    slice: Slice,
+    direction: vec3f,
+}
+
+fn sample_of(rows: Rows, slice_number: u32, number: u32) -> Sample {
+    var found: Sample;
+    let c = sample_c(rows, number);
+    let size = length(vec2f(1.0 - abs(c), c));
+    found.slice.row = sample_row(rows, slice_number);
+    found.slice.sine = (1.0 - abs(c)) / size;
+    found.slice.cosine = c / size;
+    found.slice.c = c;
+    let e = reference_across();
+    let turn = vec2f(cos(found.slice.row), sin(found.slice.row));
+    let across = found.slice.sine * vec2f(turn.x * e.x - turn.y * e.y, turn.x * e.y + turn.y * e.x);
+    found.direction = across.x * light.across.xyz + across.y * light.along.xyz + found.slice.cosine * light.height.xyz;
+    return found;
+}
+
+// The pixel in which a ray lies; far beyond the tile where there is none.
+fn pixel_of(direction: vec3f) -> vec2i {
+    let z = dot(direction, frame.forward);
+    if frame.projection != 0u || z <= 1e-6 {
+        return vec2i(-1000000);
+    }
+    let clip = frame.project.xz * vec2f(dot(direction, frame.right), dot(direction, frame.up)) / z + frame.project.yw;
+    // The projection is that of a whole tile.
+    let at = (0.5 + vec2f(0.5, -0.5) * clip) * frame.tile_size;
+    return vec2i(floor(clamp(at, vec2f(-1e6), vec2f(1e6))));
+}
+
+// Every sample's pixel tells where its air ends.
+@compute @workgroup_size(16, 16)
+fn place(@builtin(global_invocation_id) id: vec3u) {
+    let slices = u32(knobs[2]);
+    if id.y >= slices || !is_asked() {
+        return;
+    }
+    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let sample = sample_of(rows, id.y, id.x);
+    var pixel = pixel_of(sample.direction);
+    // A pixel beyond the border stands for what its border's pixel shows.
+    let inside = vec2i(frame.extent) - 1;
+    if all(pixel >= vec2i(-2)) && all(pixel <= inside + 2) {
+        pixel = clamp(pixel, vec2i(0), inside);
+    }
+    var end = 0.0;
+    if all(pixel >= vec2i(0)) && all(pixel <= inside) {
+        let at = vec3u(vec2u(pixel), 0u);
+        var surface = surfaces[pixel_index(at)];
+        // The sample's ray meets the pixel's surface in its plane, else its distance would go in steps.
+        let ahead = dot(surface.facet, ray_direction(at)) / dot(surface.facet, sample.direction);
+        if surface.number != 0u && ahead > 0.5 && ahead < 2.0 {
+            surface.distance *= ahead;
+        }
+        let span = shaded_span(vec3f(0.0), sample.direction, surface);
+        end = select(0.0, end_of(span, surface), span.shaded.y > span.shaded.x);
+    }
+    samples[sample_index(id.y, id.x)] = vec4f(0.0, 0.0, 0.0, end);
+    if id.x == 0u {
+        samples[sample_index(id.y, u32(knobs[3]))] = vec4f(0.0);
+    }
+    report_counts();
+}
+
+// A sample's light, exactly.
+fn sample_light(rows: Rows, slice_number: u32, number: u32) -> vec3f {
+    let end = samples[sample_index(slice_number, number)].w;
+    if end == 0.0 {
+        return vec3f(0.0);
+    }
+    let sample = sample_of(rows, slice_number, number);
+    var surface: Surface;
+    surface.number = select(0u, 2u, end > 0.0);
+    surface.distance = select(NO_HIT, abs(end), end > 0.0);
+    let span = shaded_span(vec3f(0.0), sample.direction, surface);
+    let row = min(u32((f32(slice_number) + 0.5) * f32(rows.count) / knobs[2]), rows.count - 1u);
+    return scattered_in_row(vec3f(0.0), sample.direction, sample.slice, span, rows, row, u32(knobs[5]));
+}
+
+@compute @workgroup_size(8, 8)
+fn seed(@builtin(global_invocation_id) id: vec3u) {
+    if 16u * id.x >= u32(knobs[3]) || id.y >= u32(knobs[2]) || !is_asked() {
+        return;
+    }
+    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let at = sample_index(id.y, 16u * id.x);
+    samples[at] = vec4f(sample_light(rows, id.y, 16u * id.x), samples[at].w);
+    report_counts();
+}
+
+// Fills the samples between two seeds.
+@compute @workgroup_size(8, 8)
+fn refine(@builtin(global_invocation_id) id: vec3u) {
+    if 16u * id.x >= u32(knobs[3]) || id.y >= u32(knobs[2]) || !is_asked() {
+        return;
+    }
+    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let first = sample_index(id.y, 16u * id.x);
+    // Samples whose neighbours on both sides do not lie straight with them in disparity, and those off the tile.
+    var broken = 0u;
+    var ends: array<f32, 17>;
+    for (var k = 0u; k < 17u; k++) {
+        ends[k] = samples[first + k].w;
+    }
+    count_reads(17u);
+    var any_inside = false;
+    for (var k = 1u; k < 16u; k++) {
+        let q = vec3f(1.0 / ends[k - 1u], 1.0 / ends[k], 1.0 / ends[k + 1u]);
+        let same = ends[k - 1u] * ends[k] > 0.0 && ends[k] * ends[k + 1u] > 0.0;
+        let straight = abs(q.x - 2.0 * q.y + q.z) <= 0.02 * abs(q.y);
+        broken |= select(1u << k, 0u, same && straight);
+        any_inside = any_inside || ends[k] != 0.0;
+    }
+    if !any_inside {
+        return;
+    }
+    // Intervals still to be looked at, as begin and length; the last one in is the first one out.
+    var waiting: array<vec2u, 6>;
+    waiting[0] = vec2u(0u, 16u);
+    var count = 1u;
+    while count > 0u {
+        count -= 1u;
+        let begin = waiting[count].x;
+        let size = waiting[count].y;
+        let half = size / 2u;
+        let middle = begin + half;
+        let light_here = sample_light(rows, id.y, 16u * id.x + middle);
+        samples[first + middle] = vec4f(light_here, ends[middle]);
+        if size == 2u {
+            continue;
+        }
+        let a = samples[first + begin].xyz;
+        let b = samples[first + begin + size].xyz;
+        count_reads(2u);
+        let whole = ((1u << (begin + size)) - 1u) & ~((2u << begin) - 1u);
+        let off = abs(light_here - 0.5 * (a + b));
+        let most = knobs[4] * max(light_here, max(a, b));
+        let inside = ends[begin] != 0.0 && ends[begin + size] != 0.0;
+        if (broken & whole) == 0u && inside && all(off <= most) {
+            for (var k = 1u; k < size; k++) {
+                if k != half {
+                    let share = f32(k % half) / f32(half);
+                    let between = select(mix(light_here, b, share), mix(a, light_here, share), k < half);
+                    samples[first + begin + k] = vec4f(between, ends[begin + k]);
+                }
+            }
+            continue;
+        }
+        waiting[count] = vec2u(begin, half);
+        waiting[count + 1u] = vec2u(middle, half);
+        count += 2u;
+    }
+    report_counts();
+}
+
+@compute @workgroup_size(8, 8)
+fn unwarp(@builtin(global_invocation_id) id: vec3u) {
+    if !inside_tile(id) {
+        return;
+    }
+    let i = pixel_index(id);
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let surface = surfaces[i];
+    let span = shaded_span(origin, direction, surface);
+    if span.air.y <= span.air.x {
+        return;
+    }
+    let slice = slice_of(origin, direction);
+    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let shaded = span.shaded.y > span.shaded.x && !along_light(slice, span.shaded);
+    var sum = vec4f(0.0);
+    if shaded && frame.projection == 0u {
+        let end = end_of(span, surface);
+        let line = clamp((slice.row - rows.first) / rows.step * knobs[2] / f32(rows.count) - 0.5, 0.0, knobs[2] - 1.0);
+        let place = clamp((slice.c - rows.low) * rows.scale / 65533.0 * knobs[3], 0.0, knobs[3] - 1.0);
+        for (var k = 0u; k < 4u; k++) {
+            let corner = vec2f(f32(k & 1u), f32(k >> 1u));
+            let at = vec2f(min(floor(line) + corner.x, knobs[2] - 1.0), min(floor(place) + corner.y, knobs[3] - 1.0));
+            let near = 1.0 - abs(vec2f(floor(line), floor(place)) + corner - vec2f(line, place));
+            let found = samples[sample_index(u32(at.x), u32(at.y))];
+            sum += max(near.x, 0.0) * max(near.y, 0.0) * likeness(end, found.w) * vec4f(found.xyz, 1.0);
+        }
+        count_reads(4u);
+    }
+    var scattered = sum.xyz / max(sum.w, 1e-3);
+    if sum.w < 0.1 {
+        let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
+        scattered = scattered_in_row(origin, direction, slice, span, rows, row, u32(knobs[5]));
+    }
+    inscatter[i] += vec4f(light.illuminance * scattered, 0.0);
+    report_counts();
+}

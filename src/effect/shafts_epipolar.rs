@@ -1,0 +1,142 @@
+//! Sunlight in the air at sparse places along epipolar lines, and in between from what lies next to it (Engelhardt &
+//! Dachsbacher 2010; Yusov 2013).
+//!
+//! On the picture shadows in the air run toward the sun's place, so that light changes slowly along these lines and quickly
+//! across them. Slices are some of the rows of the rectified map ([`super::rows`]); along each lie samples at even steps of c,
+//! which are even steps of angle within a factor of two, wherever the sun stands. Every sixteenth sample is integrated exactly
+//! as [`super::shafts_rectified`] does it. Between two of them the middle one is integrated as well, and the rest is
+//! interpolated only where depth goes on without a break (its disparity is straight) and the middle is within `tolerance` of the
+//! straight line; else both halves are asked again, down to single samples. Depth alone, which older systems ask, misses
+//! the borders of shadows that no surface shows.
+//!
+//! A pixel then blends the samples of two slices around it that lie at about its own depth. Where there are none it is
+//! integrated exactly, and so are all pixels of orthographic and panoramic views.
+
+use super::shafts::{self, Method, SUNS};
+use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, Scratch, Settings, rows};
+
+/// Sparse rays.
+pub const SHAFTS_EPIPOLAR: Effect = Effect {
+    name: "shafts_epipolar",
+    summary: "sunlight scattered by the air, at sparse places of rows around the sun and between them",
+    reads: &[Field::Surface],
+    writes: &[Field::InscatterSun],
+    remembers: false,
+    method: Some(Method::Epipolar),
+    knobs: &[
+        SUNS,
+        rows::ROWS,
+        rows::COLUMNS,
+        Knob {
+            name: "slices",
+            meaning: "lines of samples, at most one a row",
+            values: [512.0, 1024.0, 2048.0, 4096.0],
+            range: [8.0, 8192.0],
+        },
+        Knob {
+            name: "samples",
+            meaning: "samples along each slice (a multiple of 16 is taken)",
+            values: [256.0, 256.0, 512.0, 1024.0],
+            range: [16.0, 4096.0],
+        },
+        Knob {
+            name: "tolerance",
+            meaning: "relative difference from a straight line that is let pass",
+            values: [0.05, 0.02, 0.01, 0.002],
+            range: [0.0, 1.0],
+        },
+        Knob {
+            name: "halvings",
+            meaning: "reads of the maps by which each border of light is made finer than columns",
+            values: [0.0, 4.0, 4.0, 5.0],
+            range: [0.0, 8.0],
+        },
+    ],
+    decide: shafts::decide,
+    reference: shafts::reference,
+    passes: &[
+        rows::BEGIN,
+        rows::MEASURE,
+        rows::BUILD,
+        Pass {
+            shader: SHADER,
+            entry: "place",
+            kind: Kind::EachSun(
+                "suns",
+                Over::Groups(|settings| [samples(settings) / 16, slices(settings).div_ceil(16)]),
+            ),
+            uses: USES,
+            scratch: SCRATCH,
+        },
+        Pass {
+            shader: SHADER,
+            entry: "seed",
+            kind: Kind::EachSun(
+                "suns",
+                Over::Groups(|settings| {
+                    [
+                        (samples(settings) / 16).div_ceil(8),
+                        slices(settings).div_ceil(8),
+                    ]
+                }),
+            ),
+            uses: USES,
+            scratch: SCRATCH,
+        },
+        Pass {
+            shader: SHADER,
+            entry: "refine",
+            kind: Kind::EachSun(
+                "suns",
+                Over::Groups(|settings| {
+                    [
+                        (samples(settings) / 16).div_ceil(8),
+                        slices(settings).div_ceil(8),
+                    ]
+                }),
+            ),
+            uses: USES,
+            scratch: SCRATCH,
+        },
+        Pass {
+            shader: SHADER,
+            entry: "unwarp",
+            kind: Kind::EachSun("suns", Over::Pixels),
+            uses: USES,
+            scratch: SCRATCH,
+        },
+    ],
+};
+
+const SHADER: &str = include_str!("../../shaders/shafts_epipolar.wgsl");
+
+fn slices(settings: &Settings<'_>) -> u32 {
+    (settings.get("slices") as u32).min(rows::rows(settings))
+}
+
+/// Samples of a slice: whole sixteens.
+fn samples(settings: &Settings<'_>) -> u32 {
+    (settings.get("samples") as u32).next_multiple_of(16)
+}
+
+const USES: &[Resource] = &[
+    Resource::Read(Field::Surface),
+    Resource::Table(|_, settings| {
+        let mut table = rows::table(settings);
+        table.extend([slices(settings) as f32, samples(settings) as f32]);
+        table.extend(["tolerance", "halvings"].map(|knob| settings.get(knob) as f32));
+        table
+    }),
+    Resource::Update(Field::InscatterSun),
+];
+
+const SCRATCH: &[Scratch] = &[
+    rows::SCRATCH[0],
+    rows::SCRATCH[1],
+    rows::SCRATCH[2],
+    Scratch {
+        name: "samples of slices",
+        // One more than the last interval needs, a slice.
+        bytes: |settings, _| 16 * u64::from(slices(settings)) * u64::from(samples(settings) + 1),
+    },
+];
