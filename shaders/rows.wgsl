@@ -46,10 +46,11 @@ fn joined(a: u32, b: u32, c: u32, d: u32) -> u32 {
 fn build(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
     let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
     let blocks = u32(knobs[1]) / 8u;
+    let used = select(0u, blocks, group.x < rows.count);
     let row = rows.first + (f32(group.x) + 0.5) * rows.step;
     // In an orthographic view all rays have the angle of any.
     let any_ray = slice_of(vec3f(0.0), rays[0].xyz);
-    for (var block = local; block < blocks; block += 64u) {
+    for (var block = local; block < used; block += 64u) {
         var leaf = vec4u(0u);
         var least = 65535u;
         var greatest = 0u;
@@ -66,19 +67,19 @@ fn build(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     }
     let first = group.x * 21u * (blocks / 64u);
     workgroupBarrier();
-    for (var k = local; k < blocks / 4u; k += 64u) {
+    for (var k = local; k < used / 4u; k += 64u) {
         let node = vec4u(entries[4u * k], entries[4u * k + 1u], entries[4u * k + 2u], entries[4u * k + 3u]);
         nodes[first + k] = node;
         parents[k] = joined(node.x, node.y, node.z, node.w);
     }
     workgroupBarrier();
-    for (var k = local; k < blocks / 16u; k += 64u) {
+    for (var k = local; k < used / 16u; k += 64u) {
         let node = vec4u(parents[4u * k], parents[4u * k + 1u], parents[4u * k + 2u], parents[4u * k + 3u]);
         nodes[first + blocks / 4u + k] = node;
         entries[k] = joined(node.x, node.y, node.z, node.w);
     }
     workgroupBarrier();
-    for (var k = local; k < blocks / 64u; k += 64u) {
+    for (var k = local; k < used / 64u; k += 64u) {
         nodes[first + blocks / 4u + blocks / 16u + k] =
             vec4u(entries[4u * k], entries[4u * k + 1u], entries[4u * k + 2u], entries[4u * k + 3u]);
     }

@@ -17,6 +17,9 @@ fn threshold_at(k: u32) -> f32 {
 fn sum_rows(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
     let blocks = u32(knobs[1]) / 8u;
     let thresholds = u32(knobs[2]);
+    if group.x >= rows_of(u32(knobs[0]), u32(knobs[1])).count {
+        return;
+    }
     for (var k = local; k < thresholds; k += 64u) {
         let own = vec4u(u32(threshold_at(k)));
         let next = vec4u(u32(threshold_at(min(k + 1u, thresholds - 1u))));

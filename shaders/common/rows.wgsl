@@ -50,15 +50,30 @@ fn is_asked() -> bool {
     return atomicLoad(&asked[0]) <= atomicLoad(&asked[1]);
 }
 
+// As many rows as keep the distance that `count` of them have across the tile's diagonal: up to pi times as many where the
+// axis lies in the tile.
+fn row_count(count: u32, row: vec2f, c: vec2f) -> u32 {
+    if frame.projection == 1u {
+        return count;
+    }
+    let nearest = select(min(abs(c.x), abs(c.y)), 0.0, c.x * c.y < 0.0);
+    let sine = (1.0 - nearest) / length(vec2f(1.0 - nearest, nearest));
+    let middle = rays[(frame.extent.y / 2u) * frame.extent.x + frame.extent.x / 2u].xyz;
+    let last = rays[frame.extent.x * frame.extent.y - 1u].xyz;
+    let diagonal = length(rays[0].xyz - middle) + length(last - middle);
+    let most = 4.0 * f32(count);
+    return u32(clamp(ceil(f32(count) * (row.y - row.x) * sine / max(diagonal, 1e-6)), f32(count), most));
+}
+
 fn rows_of(count: u32, columns: u32) -> Rows {
     let row = vec2f(from_ordered(atomicLoad(&asked[0])), from_ordered(atomicLoad(&asked[1])));
     let a = vec2f(from_ordered(atomicLoad(&asked[2])), from_ordered(atomicLoad(&asked[3])));
     let c = vec2f(from_ordered(atomicLoad(&asked[4])), from_ordered(atomicLoad(&asked[5])));
     var rows: Rows;
-    rows.count = count;
+    rows.count = row_count(count, row, c);
     rows.columns = columns;
     rows.first = row.x;
-    rows.step = max(row.y - row.x, 1e-7 * max(abs(row.x), abs(row.y)) + 1e-30) / f32(count);
+    rows.step = max(row.y - row.x, 1e-7 * max(abs(row.x), abs(row.y)) + 1e-30) / f32(rows.count);
     rows.least = a.x;
     rows.width = max(a.y - a.x, 1e-6 * max(abs(a.x), abs(a.y)) + 1e-30);
     if frame.projection == 1u {

@@ -25,9 +25,9 @@ const COLUMNS_STEP: u32 = 512;
 /// How many rows there are.
 pub const ROWS: Knob = Knob {
     name: "rows",
-    meaning: "rows around the sun's direction, for each tile of the picture",
+    meaning: "rows across the diagonal of each tile of the picture; around the sun's own place up to pi times as many",
     values: [512.0, 1024.0, 2048.0, 4096.0],
-    range: [8.0, 8192.0],
+    range: [8.0, 4096.0],
 };
 
 /// How long they are.
@@ -35,12 +35,17 @@ pub const COLUMNS: Knob = Knob {
     name: "columns",
     meaning: "columns of each row (a multiple of 512 is taken)",
     values: [512.0, 1024.0, 2048.0, 4096.0],
-    range: [512.0, 8192.0],
+    range: [512.0, 4096.0],
 };
 
-/// The number of rows.
-pub fn rows(settings: &Settings<'_>) -> u32 {
+/// The number of rows across a tile's diagonal.
+fn rows(settings: &Settings<'_>) -> u32 {
     settings.get("rows") as u32
+}
+
+/// The most rows that a tile may have.
+pub fn most_rows(settings: &Settings<'_>) -> u32 {
+    4 * rows(settings)
 }
 
 /// The number of columns: the knob's, rounded up to whole nodes.
@@ -61,13 +66,13 @@ pub const SCRATCH: [Scratch; 3] = [
     },
     Scratch {
         name: "leaves of rows",
-        bytes: |settings, _| 2 * u64::from(rows(settings)) * u64::from(columns(settings)),
+        bytes: |settings, _| 2 * u64::from(most_rows(settings)) * u64::from(columns(settings)),
     },
     Scratch {
         name: "nodes of rows",
         // 16 bytes for 32, 128 and 512 columns each.
         bytes: |settings, _| {
-            16 * 21 * u64::from(rows(settings)) * u64::from(columns(settings) / COLUMNS_STEP)
+            16 * 21 * u64::from(most_rows(settings)) * u64::from(columns(settings) / COLUMNS_STEP)
         },
     },
 ];
@@ -101,7 +106,7 @@ pub const MEASURE: Pass = Pass {
 pub const BUILD: Pass = Pass {
     shader: SHADER,
     entry: "build",
-    kind: Kind::EachSun("suns", Over::Groups(|settings| [rows(settings), 1])),
+    kind: Kind::EachSun("suns", Over::Groups(|settings| [most_rows(settings), 1])),
     uses: USES,
     scratch: &SCRATCH,
 };

@@ -21,13 +21,13 @@ pub const SHADOW: Effect = Effect {
         Knob {
             name: "partitions",
             meaning: "parts of the camera's depth, one map each",
-            values: [3.0, 4.0, 4.0, 4.0],
+            values: [3.0, 3.0, 4.0, 4.0],
             range: [1.0, 16.0],
         },
         Knob {
             name: "resolution",
             meaning: "side of each map in texels",
-            values: [1024.0, 2048.0, 4096.0, 4096.0],
+            values: [1024.0, 4096.0, 4096.0, 8192.0],
             range: [16.0, 16384.0],
         },
     ],

@@ -36,7 +36,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
         Knob {
             name: "samples",
             meaning: "samples along each slice (a multiple of 16 is taken)",
-            values: [256.0, 256.0, 512.0, 1024.0],
+            values: [256.0, 512.0, 1024.0, 1024.0],
             range: [16.0, 4096.0],
         },
         Knob {
@@ -48,7 +48,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
         Knob {
             name: "halvings",
             meaning: "reads of the maps by which each border of light is made finer than columns",
-            values: [0.0, 4.0, 4.0, 5.0],
+            values: [0.0, 5.0, 5.0, 5.0],
             range: [0.0, 8.0],
         },
     ],
@@ -111,7 +111,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
 const SHADER: &str = include_str!("../../shaders/shafts_epipolar.wgsl");
 
 fn slices(settings: &Settings<'_>) -> u32 {
-    (settings.get("slices") as u32).min(rows::rows(settings))
+    (settings.get("slices") as u32).min(rows::most_rows(settings))
 }
 
 /// Samples of a slice: whole sixteens.

@@ -30,7 +30,7 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
         Knob {
             name: "thresholds",
             meaning: "values of c at which rows are filtered",
-            values: [32.0, 64.0, 128.0, 128.0],
+            values: [32.0, 32.0, 32.0, 16.0],
             range: [2.0, 512.0],
         },
         Knob {
@@ -49,7 +49,10 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
         Pass {
             shader: SHADER,
             entry: "sum_rows",
-            kind: Kind::EachSun("suns", Over::Groups(|settings| [rows::rows(settings), 1])),
+            kind: Kind::EachSun(
+                "suns",
+                Over::Groups(|settings| [rows::most_rows(settings), 1]),
+            ),
             uses: USES,
             scratch: SCRATCH,
         },
@@ -84,7 +87,7 @@ const SCRATCH: &[Scratch] = &[
         bytes: |settings: &Settings<'_>, _| {
             let places = u64::from(rows::columns(settings) / 8 + 1);
             let thresholds = settings.get("thresholds").round() as u64;
-            4 * u64::from(rows::rows(settings)) * places * thresholds
+            4 * u64::from(rows::most_rows(settings)) * places * thresholds
         },
     },
 ];

@@ -36,7 +36,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
         Knob {
             name: "halvings",
             meaning: "reads of the maps by which each border of light is made finer than columns",
-            values: [0.0, 4.0, 4.0, 5.0],
+            values: [0.0, 5.0, 5.0, 5.0],
             range: [0.0, 8.0],
         },
     ],
