@@ -5,7 +5,7 @@ use serde_json::json;
 use tyndall::studies::ephemeris::{Price, SAMPLES, prices};
 use tyndall::{Error, Result};
 
-use crate::output;
+use crate::stdout;
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]
@@ -39,7 +39,7 @@ pub fn ephemeris(args: &AccuracyArgs) -> Result<()> {
         "measuring four tiers; other work on this machine makes the rates smaller, not the errors"
     );
     let prices = prices();
-    let mut out = output::stdout();
+    let mut out = stdout::lock();
     if args.json {
         let rows: Vec<_> = prices
             .iter()

@@ -2,11 +2,11 @@
 
 mod accuracy;
 mod backend;
+mod batch;
 mod choose;
 mod completions;
 mod doctor;
 mod draw;
-mod output;
 mod place_time;
 mod plan;
 mod render;
@@ -19,6 +19,7 @@ mod sun;
 mod sun_batch;
 mod sun_path;
 mod tell;
+mod time_text;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;

@@ -1,5 +1,6 @@
 //! `tyndall sky`: the sky alone, as an environment map or in numbers.
 
+use crate::batch::Form;
 use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::render::{self, Exposure};
 use crate::{scene_args, sky_batch, stdout};
@@ -81,6 +82,9 @@ pub struct SkyArgs {
     /// diffuse_horizontal, view_azimuth from the sun's, view_elevation; degrees); - is standard input
     #[arg(long, value_name = "FILE.csv", allow_hyphen_values = true, conflicts_with_all = ["output", "at", "time", "sun"])]
     batch: Option<PathBuf>,
+    /// With --batch: stop at the first broken row, and print nothing
+    #[arg(long, requires = "batch")]
+    strict: bool,
     /// Print JSON
     #[arg(long, conflicts_with = "csv")]
     json: bool,
@@ -110,7 +114,11 @@ struct Subject {
 /// Runs `tyndall sky`.
 pub fn run(args: &SkyArgs) -> Result<()> {
     if let Some(path) = &args.batch {
-        return sky_batch::run(path, args.json);
+        let form = Form {
+            json: args.json,
+            strict: args.strict,
+        };
+        return sky_batch::run(path, form);
     }
     let formats = output::check_targets(&args.output)?;
     let subject = subject(args)?;

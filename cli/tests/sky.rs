@@ -56,7 +56,7 @@ fn a_batch_gives_the_models_as_published() {
     }
     // JSON holds the same digits. (serde_json's quick reading would be off by an ulp.)
     let text = stdout(&sky(&["--batch", "-", "--json"], input));
-    assert!(text.contains(&format!("\"Y\": {}", rows[2][8])), "{text}");
+    assert!(text.contains(&format!("\"Y\":{}", rows[2][8])), "{text}");
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json[1]["direct_normal"], 500.0);
 }
@@ -75,6 +75,13 @@ fn a_bad_row_is_named_and_the_rest_printed() {
             "{errors}"
         );
     }
+    let strict = sky(&["--batch", "-", "--strict"], input);
+    assert_eq!(strict.status.code(), Some(2));
+    assert!(strict.stdout.is_empty());
+    // A comma in quotes is part of its cell, and stays so.
+    let quoted = "model,note,sun_elevation,view_azimuth,view_elevation\ncie:12,\"a, b\",40,0,90\n";
+    let text = stdout(&sky(&["--batch", "-"], quoted));
+    assert!(text.contains("\ncie:12,\"a, b\",40,0,90,"), "{text}");
     let missing = sky(&["--batch", "-"], "model,turbidity\npreetham,3\n");
     assert_eq!(missing.status.code(), Some(2));
     assert!(

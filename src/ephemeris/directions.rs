@@ -62,9 +62,7 @@ impl Directions {
         for start in (0..count).step_by(LANES) {
             block.compute(tier, &almanac, &times, start, site, air);
             let used = LANES.min(count - start);
-            directions
-                .azimuth
-                .extend_from_slice(&block.azimuth[..used]);
+            directions.azimuth.extend_from_slice(&block.azimuth[..used]);
             directions
                 .elevation_true
                 .extend_from_slice(&block.elevation_true[..used]);

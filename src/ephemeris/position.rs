@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use super::place::{Place, half_turn};
 use super::refraction::{air_mass, refraction};
-use super::trigonometry::{arctangent, sin_cos};
 use super::site::{Air, EARTH_RADIUS, Site};
 use super::time::{Instant, Julian};
+use super::trigonometry::{arctangent, sin_cos};
 use super::{Tier, arcsecond, day, minute, spa};
 use crate::units::{DEG, SUN_DIAMETER};
 

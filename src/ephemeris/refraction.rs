@@ -1,7 +1,7 @@
 //! How air lifts the sun: true to apparent elevation and back, and the mass of air that its light crosses.
 
-use super::trigonometry::sin_cos;
 use super::site::Air;
+use super::trigonometry::sin_cos;
 use crate::units::DEG;
 
 /// Below this true elevation [degrees] the lift is zero; the formula itself reaches zero here.
