@@ -73,19 +73,20 @@ pub fn ephemeris(args: &AccuracyArgs) -> Result<()> {
     } else {
         let cores = rayon::current_num_threads();
         out.line(&format!("error [arcsec]: great circle on the sky, 1900 to 2100; `arcsecond` at {SAMPLES} places and times, ERFA at 600"))?;
-        out.line(&format!("rate [positions/s]: unordered times, and a year of minutes at one place; one core / all {cores}"))?;
+        out.line(&format!("rate [positions/s]: unordered times, a year of minutes at one place, the same as directions alone; one core / all {cores}"))?;
         out.line("")?;
-        out.line("tier         worst and RMS to arcsecond   worst and RMS to ERFA        unordered          year of minutes")?;
+        out.line("tier         worst and RMS to arcsecond   worst and RMS to ERFA        unordered          year of minutes     directions alone")?;
         for Price {
             tier,
             against_arcsecond: a,
             against_erfa: e,
             single,
             series,
+            directions,
         } in &prices
         {
             out.line(&format!(
-                "{tier:<10} {:>12.4} {:>12.4} {:>12.4} {:>12.4}  {:>8} / {:<8} {:>8} / {:<8}",
+                "{tier:<10} {:>12.4} {:>12.4} {:>12.4} {:>12.4}  {:>8} / {:<8} {:>8} / {:<8} {:>8} / {:<8}",
                 a.0,
                 a.1,
                 e.0,
@@ -93,7 +94,9 @@ pub fn ephemeris(args: &AccuracyArgs) -> Result<()> {
                 rate(single.0),
                 rate(single.1),
                 rate(series.0),
-                rate(series.1)
+                rate(series.1),
+                rate(directions.0),
+                rate(directions.1)
             ))?;
         }
     }
@@ -111,6 +114,8 @@ fn columns(price: &Price) -> Vec<(String, serde_json::Value)> {
         ("unordered_all_cores", json!(price.single.1)),
         ("series_one_core", json!(price.series.0)),
         ("series_all_cores", json!(price.series.1)),
+        ("directions_one_core", json!(price.directions.0)),
+        ("directions_all_cores", json!(price.directions.1)),
     ]
     .into_iter()
     .map(|(name, value)| (name.to_owned(), value))
