@@ -354,14 +354,11 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
     let [width, height] = args.size.unwrap_or(size);
     let map = Map::new(projection, width, height)?;
     let ground = ground(args, subject);
-    let mut rgb: Vec<Vec3> = (0..height)
-        .into_par_iter()
-        .flat_map_iter(|y| {
-            map.row(y, &subject.sky, ground)
-                .into_iter()
-                .map(|v| v.as_vec3())
-        })
-        .collect();
+    let painter = map.painter(&subject.sky, ground);
+    let mut rgb = vec![Vec3::ZERO; width as usize * height as usize];
+    rgb.par_chunks_mut(width as usize)
+        .zip(0..height)
+        .for_each(|(texels, y)| painter.row(y, texels));
     if !args.without_sun {
         for (texel, light) in map.disc(&subject.light, subject.toward_sun) {
             rgb[texel] = (rgb[texel].as_dvec3() + light).as_vec3();

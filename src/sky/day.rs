@@ -187,40 +187,137 @@ impl Day {
         })
     }
 
-    /// XYZ [cd/m2] toward `w` with the sun toward `s`, unit vectors, +Y up: the model as it is, its colours not fitted to a gamut.
-    pub fn xyz(&self, w: DVec3, s: DVec3) -> DVec3 {
-        let cos_theta = w.y;
+    /// What depends on the height of a direction alone, by the cosine of its zenith angle.
+    pub fn over_height(&self, cos_theta: f64) -> Height {
         match &self.form {
-            Form::Uniform(xyz) => *xyz,
-            Form::Preetham(form) => {
-                let (gamma, cos_gamma) = angle_between(w, s);
-                xyz_from_xyy(form.xyy(cos_theta, gamma, cos_gamma))
+            Form::Uniform(xyz) => Height {
+                luminance: [0.0; 2],
+                factor: *xyz,
+                addend: DVec3::ZERO,
+            },
+            Form::Preetham(form) => Height {
+                luminance: [0.0; 2],
+                factor: form.over_height(cos_theta),
+                addend: DVec3::ZERO,
+            },
+            Form::Hosek(form) => Height::new([0.0; 2], form.over_height(cos_theta)),
+            Form::Luminance { parts, clear, .. } => Height::new(
+                parts.map(|(gradation, scale)| match scale > 0.0 {
+                    true => scale * gradation.gradation(cos_theta),
+                    false => 0.0,
+                }),
+                clear.over_height(cos_theta),
+            ),
+        }
+    }
+
+    /// What depends on the angle from the sun alone [rad].
+    pub fn around_sun(&self, gamma: f64, cos_gamma: f64) -> Around {
+        match &self.form {
+            Form::Uniform(_) => Around::default(),
+            Form::Preetham(form) => Around {
+                luminance: [0.0; 2],
+                colour: form.around_sun(gamma, cos_gamma),
+            },
+            Form::Hosek(form) => Around {
+                luminance: [0.0; 2],
+                colour: form.around_sun(gamma, cos_gamma),
+            },
+            Form::Luminance { parts, clear, .. } => Around {
+                luminance: parts.map(|(gradation, scale)| match scale > 0.0 {
+                    true => gradation.indicatrix(gamma, cos_gamma),
+                    false => 0.0,
+                }),
+                colour: clear.around_sun(gamma, cos_gamma),
+            },
+        }
+    }
+
+    /// XYZ [cd/m2] where both are known: every model is a product of the two, or nearly so.
+    fn join(&self, height: &Height, around: &Around) -> DVec3 {
+        match &self.form {
+            Form::Uniform(_) => height.factor,
+            Form::Preetham(_) => {
+                let [luminance, x, y] = (height.factor * around.colour).to_array();
+                xyz_from_xyy(DVec3::new(x, y, luminance))
             }
-            Form::Hosek(form) => {
-                let (gamma, cos_gamma) = angle_between(w, s);
-                *XYZ_FROM_REC709 * form.rec709(cos_theta, gamma, cos_gamma)
-            }
-            Form::Luminance { parts, clear, grey } => {
-                let (gamma, cos_gamma) = angle_between(w, s);
-                let mut luminance = 0.0;
-                for (gradation, scale) in parts {
-                    if *scale > 0.0 {
-                        luminance += scale * gradation.value(cos_theta, gamma, cos_gamma).max(0.0);
-                    }
-                }
+            Form::Hosek(_) => *XYZ_FROM_REC709 * (height.factor * (around.colour + height.addend)),
+            Form::Luminance { grey, .. } => {
+                let [first, second] = height.luminance;
+                let luminance = (first * around.luminance[0]).max(0.0)
+                    + (second * around.luminance[1]).max(0.0);
                 let overcast = DVec3::new(OVERCAST_XY[0], OVERCAST_XY[1], luminance);
                 if *grey == 1.0 {
                     return xyz_from_xyy(overcast);
                 }
-                let colour = *XYZ_FROM_REC709 * clear.rec709(cos_theta, gamma, cos_gamma);
-                (colour * (luminance / colour.y)).lerp(xyz_from_xyy(overcast), *grey)
+                let rec709 = height.factor * (around.colour + height.addend);
+                let colour = *XYZ_FROM_REC709 * rec709;
+                let clear = colour * (luminance / colour.y);
+                if *grey == 0.0 {
+                    return clear;
+                }
+                clear.lerp(xyz_from_xyy(overcast), *grey)
             }
         }
+    }
+
+    /// XYZ [cd/m2] toward `w` with the sun toward `s`, unit vectors, +Y up: the model as it is, its colours not fitted to a gamut.
+    pub fn xyz(&self, w: DVec3, s: DVec3) -> DVec3 {
+        let (gamma, cos_gamma) = angle_between(w, s);
+        self.join(&self.over_height(w.y), &self.around_sun(gamma, cos_gamma))
     }
 
     /// Radiance, RGB in the working space, no channel negative, toward `w` with the sun toward `s`.
     pub fn seen(&self, w: DVec3, s: DVec3) -> DVec3 {
         into_gamut(working_from_xyz(self.xyz(w, s)))
+    }
+
+    /// The same where height and angle from the sun are known.
+    pub fn seen_at(&self, height: &Height, around: &Around) -> DVec3 {
+        into_gamut(working_from_xyz(self.join(height, around)))
+    }
+}
+
+/// What a model needs of a direction's height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Height {
+    /// Factors of the luminance of both gradations [cd/m2].
+    luminance: [f64; 2],
+    /// Factor and addend of the colour.
+    factor: DVec3,
+    addend: DVec3,
+}
+
+impl Height {
+    fn new(luminance: [f64; 2], (factor, addend): (DVec3, DVec3)) -> Self {
+        Height {
+            luminance,
+            factor,
+            addend,
+        }
+    }
+}
+
+/// What a model needs of a direction's angle from the sun [1]. A smooth function of that angle.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Around {
+    luminance: [f64; 2],
+    colour: DVec3,
+}
+
+impl Around {
+    /// As plain numbers, to be interpolated.
+    pub fn to_array(self) -> [f64; 5] {
+        let ([a, b], [x, y, z]) = (self.luminance, self.colour.to_array());
+        [a, b, x, y, z]
+    }
+
+    /// From [`Self::to_array`].
+    pub fn from_array([a, b, x, y, z]: [f64; 5]) -> Self {
+        Around {
+            luminance: [a, b],
+            colour: DVec3::new(x, y, z),
+        }
     }
 }
 

@@ -88,12 +88,18 @@ impl Preetham {
         Ok(Preetham { scale, form })
     }
 
-    /// (x, y, Y [cd/m2]) toward a direction of zenith-angle cosine `cos_theta` at angle `gamma` [rad] from the sun.
-    pub fn xyy(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> DVec3 {
-        let [luminance, x, y] = std::array::from_fn(|i| {
-            self.scale[i] * self.form[i].value(cos_theta, gamma, cos_gamma)
-        });
-        DVec3::new(x, y, luminance)
+    /// What depends on height alone: factors of Y [cd/m2], x, y.
+    pub fn over_height(&self, cos_theta: f64) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|i| {
+            self.scale[i] * self.form[i].gradation(cos_theta)
+        }))
+    }
+
+    /// What depends on the angle from the sun [rad] alone: factors of Y, x, y [1].
+    pub fn around_sun(&self, gamma: f64, cos_gamma: f64) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|i| {
+            self.form[i].indicatrix(gamma, cos_gamma)
+        }))
     }
 }
 
