@@ -228,8 +228,10 @@ fn rows_are_the_sky_direction_by_direction() {
             let found = worst(&own, &own, &mut row);
             assert!(found < 1e-6, "{model:?} {elevation}: {found}");
             // Half a degree is seen, where the model has a sun; clouds at dusk have none.
-            if !matches!(model, Model::Uniform { .. } | Model::Cie { kind: 4 | 16, .. })
-                && elevation < 90.0
+            if !matches!(
+                model,
+                Model::Uniform { .. } | Model::Cie { kind: 4 | 16, .. }
+            ) && elevation < 90.0
                 && elevation > -18.0
             {
                 assert!(

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::{Air, sun_position};
-use tyndall::frame::{Frame, Layer};
+use tyndall::frame::Frame;
 use tyndall::output::{self, Format};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, SunPath};
@@ -158,7 +158,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         return Ok(());
     }
     let frame = paint(args, &subject)?;
-    let ev100 = match args.exposure {
+    let ev100 = || match args.exposure {
         Exposure::Ev100(ev) => ev,
         Exposure::Auto => {
             // A sky is brighter than the grey that a meter expects: one stop more, as photographers give it.
@@ -169,9 +169,10 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let space = render::output_space(args.color_space);
     for (path, format) in args.output.iter().zip(&formats) {
         match format {
-            Format::Exr => output::exr::write(path, &frame, &space, &["background"])?,
+            Format::Exr => output::exr::write(path, &frame, &space, &[])?,
             Format::Hdr => output::hdr::write(path, &frame, &space)?,
             Format::Png => {
+                let ev100 = ev100();
                 let bytes = output::png::encode(&frame, |x, y, rgb| {
                     display::encode(rgb, ev100, [x, y], true)
                 });
@@ -364,11 +365,7 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
             rgb[texel] = (rgb[texel].as_dvec3() + light).as_vec3();
         }
     }
-    let mut frame = Frame::new(width, height);
-    frame.layers.push(Layer {
-        name: "background",
-        rgb,
-    });
+    let mut frame = Frame::map(width, height, rgb);
     frame.record.set("version", env!("CARGO_PKG_VERSION"));
     for (name, value) in facts(args, subject) {
         match value {

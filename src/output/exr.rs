@@ -5,7 +5,7 @@
 //! | channels | what |
 //! |---|---|
 //! | `R` `G` `B` | the picture: the sum of all layers [cd/m2] |
-//! | `Z` | distance along the ray [m], 1e10 where nothing is hit |
+//! | `Z` | distance along the ray [m], 1e10 where nothing is hit; not in maps |
 //! | `sun.R` ... `inscatter_lights.B` | the layers of [`LAYERS`](crate::frame::LAYERS) [cd/m2]; zero where one was not run |
 //! | `transmittance.R` `.G` `.B` | share of light that the air lets through |
 //! | `normal.X` `.Y` `.Z` | unit normal, scene axes |
@@ -36,7 +36,7 @@ use std::path::Path;
 /// The program, as files name it.
 pub const SOFTWARE: &str = concat!("tyndall ", env!("CARGO_PKG_VERSION"));
 
-/// Writes `frame` with those of its layers that `layers` names (see [`super::select_layers`]).
+/// Writes `frame` with those of its layers that `layers` names (see [`super::select_layers`]): of a map, those of colour alone.
 ///
 /// Beside the frame this needs memory for a few blocks of 16 rows alone.
 ///
@@ -151,7 +151,9 @@ fn channels<'f>(
             add(format!("normal.{letter}"), source);
         }
     }
-    add("Z".into(), Source::Depth(&frame.depth));
+    if !frame.is_map() {
+        add("Z".into(), Source::Depth(&frame.depth));
+    }
     channels
 }
 

@@ -6,7 +6,7 @@
 use super::Sky;
 use super::day::{Around, Day};
 use super::twilight;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::f64::consts::TAU;
 
 /// A sky and the azimuths at which its circles are asked.

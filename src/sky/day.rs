@@ -13,19 +13,25 @@ use super::perez::{self, Bins, State};
 use super::preetham::{self, Preetham};
 use super::twilight::smoothstep;
 use super::{Irradiance, Model, angle_between, hemisphere};
-use crate::colour::{Space, XYZ_FROM_WORKING, into_gamut, working_from_xyz, xyz_from_xyy};
+use crate::colour::{
+    Space, into_gamut, luminance, working_from_xyz, xyz_from_working, xyz_from_xyy,
+};
 use crate::error::Result;
 use crate::units::DEG;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3Swizzles};
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
-static XYZ_FROM_REC709: LazyLock<DMat3> =
-    LazyLock::new(|| XYZ_FROM_WORKING * Space::Rec709.to_working());
+static WORKING_FROM_REC709: LazyLock<DMat3> = LazyLock::new(|| Space::Rec709.to_working());
 
 /// Chromaticity x, y of an overcast sky: 6 191 K on the daylight locus (Diakite-Kindel & Knoop, as in Radiance's gendaylit).
 pub const OVERCAST_XY: [f64; 2] = [0.318_1, 0.334_2];
+
+static OVERCAST: LazyLock<DVec3> = LazyLock::new(|| {
+    let [x, y] = OVERCAST_XY;
+    working_from_xyz(xyz_from_xyy(DVec3::new(x, y, 1.0)))
+});
 
 /// The ground's albedo for the colour of the skies that have none of their own.
 const COLOUR_ALBEDO: f64 = 0.2;
@@ -37,6 +43,9 @@ const CLEAR_BEAM: f64 = 0.7;
 #[derive(Debug, Clone)]
 pub struct Day {
     form: Form,
+    working_from_rec709: DMat3,
+    /// RGB in the working space of one cd/m2 of [`OVERCAST_XY`].
+    overcast: DVec3,
     /// How much of the light comes from clouds [1].
     pub grey: f64,
     /// How much of the sun clouds hide [1].
@@ -50,6 +59,7 @@ pub struct Day {
 #[derive(Debug, Clone)]
 enum Form {
     Preetham(Preetham),
+    /// RGB in the working space.
     Uniform(DVec3),
     Hosek(Hosek),
     /// Luminance [cd/m2] as a sum of two gradations, and whence the colour.
@@ -93,8 +103,7 @@ impl Day {
                 Ok(Day::plain(Form::Hosek(Hosek::new(turbidity, albedo, sun.elevation())?)))
             }
             Model::Uniform { luminance } => {
-                let [x, y] = Space::WORKING.chromaticities().white;
-                Ok(Day::plain(Form::Uniform(xyz_from_xyy(DVec3::new(x, y, luminance)))))
+                Ok(Day::plain(Form::Uniform(DVec3::splat(luminance))))
             }
             Model::Perez { turbidity, irradiance } => Day::perez(turbidity, irradiance, sun, bins),
             Model::Cie { kind, turbidity, irradiance } => {
@@ -106,6 +115,8 @@ impl Day {
     fn plain(form: Form) -> Self {
         Day {
             form,
+            working_from_rec709: *WORKING_FROM_REC709,
+            overcast: *OVERCAST,
             grey: 0.0,
             hidden: 0.0,
             direct_normal: None,
@@ -145,12 +156,12 @@ impl Day {
             );
         }
         Ok(Day {
-            form: Form::Luminance { parts, clear, grey },
             grey,
             hidden: grey,
             direct_normal: measured
                 .map(|m| m.direct_normal * state.direct_efficacy(perez::WATER_CM)),
             warnings,
+            ..Day::plain(Form::Luminance { parts, clear, grey })
         })
     }
 
@@ -179,20 +190,19 @@ impl Day {
         );
         let grey = kind.cloud_share();
         Ok(Day {
-            form: Form::Luminance { parts, clear, grey },
             grey,
             hidden: if kind.hides_sun() { 1.0 } else { 0.0 },
             direct_normal: state.map(|(m, s)| m.direct_normal * s.direct_efficacy(perez::WATER_CM)),
-            warnings: Vec::new(),
+            ..Day::plain(Form::Luminance { parts, clear, grey })
         })
     }
 
     /// What depends on the height of a direction alone, by the cosine of its zenith angle.
     pub fn over_height(&self, cos_theta: f64) -> Height {
         match &self.form {
-            Form::Uniform(xyz) => Height {
+            Form::Uniform(rgb) => Height {
                 luminance: [0.0; 2],
-                factor: *xyz,
+                factor: *rgb,
                 addend: DVec3::ZERO,
             },
             Form::Preetham(form) => Height {
@@ -233,30 +243,27 @@ impl Day {
         }
     }
 
-    /// XYZ [cd/m2] where both are known: every model is a product of the two, or nearly so.
+    /// RGB in the working space, not yet fitted to its gamut, where both are known: every model is a product of the two, or
+    /// nearly so.
+    #[inline(always)]
     fn join(&self, height: &Height, around: &Around) -> DVec3 {
+        let rec709 = || height.factor * (around.colour + height.addend);
         match &self.form {
             Form::Uniform(_) => height.factor,
             Form::Preetham(_) => {
-                let [luminance, x, y] = (height.factor * around.colour).to_array();
-                xyz_from_xyy(DVec3::new(x, y, luminance))
+                working_from_xyz(xyz_from_xyy((height.factor * around.colour).yzx()))
             }
-            Form::Hosek(_) => *XYZ_FROM_REC709 * (height.factor * (around.colour + height.addend)),
+            Form::Hosek(_) => self.working_from_rec709 * rec709(),
             Form::Luminance { grey, .. } => {
                 let [first, second] = height.luminance;
-                let luminance = (first * around.luminance[0]).max(0.0)
-                    + (second * around.luminance[1]).max(0.0);
-                let overcast = DVec3::new(OVERCAST_XY[0], OVERCAST_XY[1], luminance);
+                let [a, b] = around.luminance;
+                let wanted = (first * a).max(0.0) + (second * b).max(0.0);
+                let overcast = self.overcast * wanted;
                 if *grey == 1.0 {
-                    return xyz_from_xyy(overcast);
+                    return overcast;
                 }
-                let rec709 = height.factor * (around.colour + height.addend);
-                let colour = *XYZ_FROM_REC709 * rec709;
-                let clear = colour * (luminance / colour.y);
-                if *grey == 0.0 {
-                    return clear;
-                }
-                clear.lerp(xyz_from_xyy(overcast), *grey)
+                let colour = self.working_from_rec709 * rec709();
+                (colour * (wanted / luminance(colour))).lerp(overcast, *grey)
             }
         }
     }
@@ -264,17 +271,19 @@ impl Day {
     /// XYZ [cd/m2] toward `w` with the sun toward `s`, unit vectors, +Y up: the model as it is, its colours not fitted to a gamut.
     pub fn xyz(&self, w: DVec3, s: DVec3) -> DVec3 {
         let (gamma, cos_gamma) = angle_between(w, s);
-        self.join(&self.over_height(w.y), &self.around_sun(gamma, cos_gamma))
+        xyz_from_working(self.join(&self.over_height(w.y), &self.around_sun(gamma, cos_gamma)))
     }
 
     /// Radiance, RGB in the working space, no channel negative, toward `w` with the sun toward `s`.
     pub fn seen(&self, w: DVec3, s: DVec3) -> DVec3 {
-        into_gamut(working_from_xyz(self.xyz(w, s)))
+        let (gamma, cos_gamma) = angle_between(w, s);
+        self.seen_at(&self.over_height(w.y), &self.around_sun(gamma, cos_gamma))
     }
 
     /// The same where height and angle from the sun are known.
+    #[inline(always)]
     pub fn seen_at(&self, height: &Height, around: &Around) -> DVec3 {
-        into_gamut(working_from_xyz(self.join(height, around)))
+        into_gamut(self.join(height, around))
     }
 }
 

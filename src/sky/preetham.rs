@@ -7,7 +7,7 @@
 
 use super::gradation::Gradation;
 use crate::error::{Error, Result};
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Turbidities for which the fit can be used.
@@ -86,6 +86,12 @@ impl Preetham {
         ];
         let scale = std::array::from_fn(|i| zenith[i] / form[i].value(1.0, s, s.cos()));
         Ok(Preetham { scale, form })
+    }
+
+    /// (x, y, Y [cd/m2]) toward a direction of zenith-angle cosine `cos_theta` at angle `gamma` [rad] from the sun.
+    pub fn xyy(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> DVec3 {
+        let factors = self.over_height(cos_theta) * self.around_sun(gamma, cos_gamma);
+        factors.yzx()
     }
 
     /// What depends on height alone: factors of Y [cd/m2], x, y.

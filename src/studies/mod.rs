@@ -1,3 +1,4 @@
 //! What accuracy costs: measurements of this program by itself.
 
 pub mod ephemeris;
+pub mod sky;
