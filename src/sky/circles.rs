@@ -80,6 +80,17 @@ impl<'s> Circles<'s> {
 /// Pieces of the table.
 const PIECES: usize = 2048;
 
+/// What depends on the angle from the sun, at evenly spaced t = tan(angle/2) / (1 + tan(angle/2)), 0 to 1.
+pub(super) fn angles(day: &Day, pieces: usize) -> Vec<[f64; 5]> {
+    (0..=pieces)
+        .map(|i| {
+            let t = i as f64 / pieces as f64;
+            let angle = 2.0 * t.atan2(1.0 - t);
+            day.around_sun(angle, angle.cos()).to_array()
+        })
+        .collect()
+}
+
 /// What depends on the angle from the sun, as cubic curves over t = tan(angle/2) / (1 + tan(angle/2)).
 ///
 /// t runs from 0 at the sun to 1 opposite and is a smooth function of the angle, also at the sun, where the models have a
@@ -90,13 +101,7 @@ struct Table {
 
 impl Table {
     fn new(day: &Day) -> Self {
-        let values: Vec<[f64; 5]> = (0..=PIECES)
-            .map(|i| {
-                let t = i as f64 / PIECES as f64;
-                let angle = 2.0 * t.atan2(1.0 - t);
-                day.around_sun(angle, angle.cos()).to_array()
-            })
-            .collect();
+        let values = angles(day, PIECES);
         let pieces = (0..PIECES)
             .map(|i| {
                 // The cubic through the four values about the piece, or the four nearest at an end.

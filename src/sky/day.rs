@@ -14,7 +14,8 @@ use super::preetham::{self, Preetham};
 use super::twilight::smoothstep;
 use super::{Irradiance, Model, angle_between, hemisphere};
 use crate::colour::{
-    Space, into_gamut, luminance, working_from_xyz, xyz_from_working, xyz_from_xyy,
+    Space, WORKING_FROM_XYZ, into_gamut, luminance, working_from_xyz, xyz_from_working,
+    xyz_from_xyy,
 };
 use crate::error::Result;
 use crate::units::DEG;
@@ -284,6 +285,53 @@ impl Day {
     #[inline(always)]
     pub fn seen_at(&self, height: &Height, around: &Around) -> DVec3 {
         into_gamut(self.join(height, around))
+    }
+}
+
+/// A day as numbers, for [`Sky::table`](super::Sky).
+impl Day {
+    /// 1 where the five factors give Y, x, y by the last three; 2 where these are Rec. 709; 3 where they are, of a luminance
+    /// that the first two give.
+    pub(super) fn form_number(&self) -> f64 {
+        match self.form {
+            Form::Preetham(_) => 1.0,
+            Form::Hosek(_) | Form::Uniform(_) => 2.0,
+            Form::Luminance { .. } => 3.0,
+        }
+    }
+
+    /// RGB in the working space of one cd/m2 of an overcast sky.
+    pub(super) fn overcast(&self) -> DVec3 {
+        self.overcast
+    }
+
+    /// From the model's own colours to the working space.
+    pub(super) fn working_from_own(&self) -> DMat3 {
+        match self.form {
+            Form::Preetham(_) => WORKING_FROM_XYZ,
+            Form::Uniform(_) => DMat3::IDENTITY,
+            _ => self.working_from_rec709,
+        }
+    }
+
+    /// Coefficients of [`Self::over_height`]: s, a, b, o, c, h of two luminances and three colours.
+    pub(super) fn factors(&self) -> [[f64; 6]; 5] {
+        let mut factors = [[0.0; 6]; 5];
+        let colours = match &self.form {
+            Form::Preetham(form) => form.coefficients(),
+            Form::Hosek(form) => form.coefficients(),
+            // A sky of even luminance is made without a day.
+            Form::Uniform(_) => [[0.0; 6]; 3],
+            Form::Luminance { parts, clear, .. } => {
+                for (factor, (gradation, scale)) in factors.iter_mut().zip(parts) {
+                    let [s, a, b, o, c] = gradation.coefficients();
+                    *factor = [s * scale, a, b, o, c, 0.0];
+                }
+                clear.coefficients()
+            }
+        };
+        factors[2..].copy_from_slice(&colours);
+        factors
     }
 }
 

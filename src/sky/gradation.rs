@@ -76,6 +76,16 @@ impl Gradation {
         1.0 + self.a * (self.b / cos_theta.max(COSINE_FLOOR)).exp()
     }
 
+    /// Coefficients s, a, b, o, c of the first factor in the form s (1 + a e^(b / max(x + o, [`COSINE_FLOOR`])) + c x), x being
+    /// the cosine of the zenith angle.
+    pub(super) fn coefficients(&self) -> [f64; 5] {
+        if self.traditional {
+            [1.0 / 3.0, 0.0, 0.0, 0.0, 2.0]
+        } else {
+            [1.0, self.a, self.b, 0.0, 0.0]
+        }
+    }
+
     /// The second factor [1], over the angle from the sun [rad] and its cosine; 1 for the traditional overcast sky.
     pub fn indicatrix(&self, gamma: f64, cos_gamma: f64) -> f64 {
         1.0 + self.c * ((self.d * gamma).exp() - self.e0) + self.e * cos_gamma * cos_gamma

@@ -115,6 +115,15 @@ impl Hosek {
         (factor, channels(&|c| self.parameters[c][7] * zenith))
     }
 
+    /// Coefficients of what depends on height, per channel: s, a, b, o, c as of [`super::gradation::Gradation`], and h of the
+    /// addend h sqrt(x).
+    pub(super) fn coefficients(&self) -> [[f64; 6]; 3] {
+        std::array::from_fn(|c| {
+            let [a, b, .., h, _] = self.parameters[c];
+            [self.radiance[c], a, b, 0.01, 0.0, h]
+        })
+    }
+
     /// What depends on the angle from the sun [rad] alone [1].
     pub fn around_sun(&self, gamma: f64, cos_gamma: f64) -> DVec3 {
         let cos2 = cos_gamma * cos_gamma;

@@ -24,6 +24,7 @@ pub mod patches;
 pub mod perez;
 pub mod preetham;
 pub mod sun;
+mod table;
 pub mod twilight;
 
 pub use sun::{SunLight, SunPath};

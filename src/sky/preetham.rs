@@ -101,6 +101,14 @@ impl Preetham {
         }))
     }
 
+    /// Coefficients of what depends on height, of Y, x, y, as those of the Hosek-Wilkie sky.
+    pub(super) fn coefficients(&self) -> [[f64; 6]; 3] {
+        std::array::from_fn(|i| {
+            let [s, a, b, o, c] = self.form[i].coefficients();
+            [s * self.scale[i], a, b, o, c, 0.0]
+        })
+    }
+
     /// What depends on the angle from the sun [rad] alone: factors of Y, x, y [1].
     pub fn around_sun(&self, gamma: f64, cos_gamma: f64) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|i| {

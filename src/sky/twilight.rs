@@ -128,7 +128,7 @@ static TABLE: LazyLock<Vec<[f64; 6]>> = LazyLock::new(|| {
 const AEROSOL_G: f64 = 0.76;
 
 /// Points of the grid that is read per direction: over sqrt(sin(view elevation)) and over azimuth.
-const GRID: [usize; 2] = [64, 49];
+pub(super) const GRID: [usize; 2] = [64, 49];
 
 /// The clear sky while the sun is low or down, as radiance of no particular level.
 ///
@@ -195,6 +195,11 @@ impl Twilight {
             )
         };
         with_phase(mix(at(j), at(j + 1), v), cos_gamma)
+    }
+
+    /// The whole grid, height by height: the smooth part and the aerosol's at each azimuth.
+    pub(super) fn grid(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.grid.iter().flatten().copied()
     }
 
     /// The grid at a height, by the sine of the elevation: to be read over azimuth by [`read`].
