@@ -111,10 +111,6 @@ fn every_texel_agrees_with_the_reference() {
             for map in maps() {
                 let found = by_gpu(&device, &map, &sky, &light);
                 let off = worst(&found, &by_reference(&map, &sky, &light));
-                    "{} {elevation} {:?}: {off:.1e}",
-                    model.name(),
-                    map.projection
-                );
                 highest = highest.max(off);
             }
         }

@@ -1,5 +1,6 @@
 //! `tyndall sky`: the sky alone, as an environment map or in numbers.
 
+use crate::backend::{Backend, BackendFlag};
 use crate::batch::Form;
 use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::render::{self, Exposure};
@@ -12,6 +13,7 @@ use std::path::PathBuf;
 use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::{Air, sun_position};
 use tyndall::frame::Frame;
+use tyndall::gpu::sky_map;
 use tyndall::output::{self, Format};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, SunPath};
@@ -69,6 +71,9 @@ pub struct SkyArgs {
     /// Width and height of the map in pixels [default: 2048x1024, 1024x1024 or 3072x512]
     #[arg(long, value_name = "WxH", value_parser = scene_args::size)]
     size: Option<[u32; 2]>,
+    /// What paints the map; the CPU is done with one before a graphics adapter is opened
+    #[arg(long, value_enum, default_value = "reference")]
+    backend: BackendFlag,
     /// Leave the sun's disc out of the map
     #[arg(long)]
     without_sun: bool,
@@ -355,11 +360,26 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
     let [width, height] = args.size.unwrap_or(size);
     let map = Map::new(projection, width, height)?;
     let ground = ground(args, subject);
-    let painter = map.painter(&subject.sky, ground);
-    let mut rgb = vec![Vec3::ZERO; width as usize * height as usize];
-    rgb.par_chunks_mut(width as usize)
-        .zip(0..height)
-        .for_each(|(texels, y)| painter.row(y, texels));
+    let backend = Backend::new(args.backend)?;
+    let mut rgb = match &backend {
+        Backend::Gpu(device) => {
+            let painted = sky_map::paint(device, &map, &subject.sky, ground)?;
+            if let Some(time) = painted.time {
+                let milliseconds = 1e3 * time.as_secs_f64();
+                eprintln!("painted    in {milliseconds:.2} ms by the device's own clock");
+            }
+            painted.texels
+        }
+        Backend::Reference => {
+            let painter = map.painter(&subject.sky, ground);
+            let mut rgb = vec![Vec3::ZERO; width as usize * height as usize];
+            rgb.par_chunks_mut(width as usize)
+                .zip(0..height)
+                .for_each(|(texels, y)| painter.row(y, texels));
+            rgb
+        }
+    };
+    eprintln!("backend    {}", backend.describe());
     if !args.without_sun {
         for (texel, light) in map.disc(&subject.light, subject.toward_sun) {
             rgb[texel] = (rgb[texel].as_dvec3() + light).as_vec3();
@@ -367,6 +387,7 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
     }
     let mut frame = Frame::map(width, height, rgb);
     frame.record.set("version", env!("CARGO_PKG_VERSION"));
+    frame.record.set("backend", backend.describe());
     for (name, value) in facts(args, subject) {
         match value {
             Value::String(text) => frame.record.set(name, text),

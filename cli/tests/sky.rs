@@ -163,3 +163,41 @@ fn what_is_missing_is_named() {
         assert!(text.contains(word), "{arguments:?}: {text}");
     }
 }
+
+#[test]
+fn the_gpu_paints_the_same_map() {
+    // Without an adapter `gpu` says what to do.
+    let folder = tempfile::tempdir().unwrap();
+    let paint = |backend: &str, name: &str| {
+        let path = folder.path().join(name);
+        let file = path.to_str().unwrap();
+        let flags = ["--sun", "200,20", "--size", "256x128", "--backend", backend];
+        let output = sky(&[&flags[..], &["-o", file]].concat(), "");
+        (output, path)
+    };
+    let (reference, truth) = paint("reference", "reference.exr");
+    assert!(reference.status.success());
+    let (output, path) = paint("gpu", "gpu.exr");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        let required = std::env::var_os("REQUIRE_GPU").is_some_and(|v| v == "1");
+        assert!(!required && errors.contains("tyndall doctor"), "{errors}");
+        return;
+    }
+    assert!(errors.contains("backend    gpu ("), "{errors}");
+    let texels = |path: &std::path::Path| -> Vec<f32> {
+        let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
+        let channels = &image.layer_data.channel_data.list;
+        assert_eq!(channels.len(), 3, "colour alone");
+        channels
+            .iter()
+            .flat_map(|c| c.sample_data.values_as_f32().collect::<Vec<_>>())
+            .collect()
+    };
+    let (found, truth) = (texels(&path), texels(&truth));
+    let largest = truth.iter().copied().fold(0.0, f32::max);
+    assert!(largest > 1e6, "the sun is in it");
+    for (found, truth) in found.iter().zip(&truth) {
+        assert!((found / truth - 1.0).abs() < 2e-4, "{found} {truth}");
+    }
+}
