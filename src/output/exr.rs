@@ -1,6 +1,6 @@
 //! The picture file: everything that was computed, in numbers, in one OpenEXR part.
 //!
-//! Scan lines from the top, ZIP16, every channel 32-bit float, since the sun's disc (1.6e9 cd/m2) overflows half.
+//! Scan lines from the top, ZIP16 (PIZ for a map), every channel 32-bit float, since the sun's disc (1.6e9 cd/m2) overflows half.
 //!
 //! | channels | what |
 //! |---|---|
@@ -53,7 +53,11 @@ pub fn write(
         (frame.width as usize, frame.height as usize),
         attributes(frame, space),
         Encoding {
-            compression: Compression::ZIP16,
+            compression: match frame.is_map() {
+                // On skies half the time and a fifth smaller; every reader built on OpenEXR takes it.
+                true => Compression::PIZ,
+                false => Compression::ZIP16,
+            },
             blocks: Blocks::ScanLines,
             line_order: LineOrder::Increasing,
         },
