@@ -6,8 +6,7 @@ use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::render::{self, Exposure};
 use crate::{scene_args, sky_batch, stdout};
 use clap::{Args, ValueEnum};
-use glam::{DVec3, Vec3};
-use rayon::prelude::*;
+use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
@@ -370,14 +369,7 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
             }
             painted.texels
         }
-        Backend::Reference => {
-            let painter = map.painter(&subject.sky, ground);
-            let mut rgb = vec![Vec3::ZERO; width as usize * height as usize];
-            rgb.par_chunks_mut(width as usize)
-                .zip(0..height)
-                .for_each(|(texels, y)| painter.row(y, texels));
-            rgb
-        }
+        Backend::Reference => map.paint(&subject.sky, ground),
     };
     eprintln!("backend    {}", backend.describe());
     if !args.without_sun {

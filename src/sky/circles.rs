@@ -77,66 +77,79 @@ impl<'s> Circles<'s> {
     }
 }
 
-/// Pieces of the table.
-const PIECES: usize = 2048;
+/// Octaves of the table, and pieces in each: down to 2^-52, an angle of 3e-8.
+const OCTAVES: u32 = 52;
+const STEPS: u32 = 16;
 
-/// What depends on the angle from the sun, at evenly spaced t = tan(angle/2) / (1 + tan(angle/2)), 0 to 1.
-pub(super) fn angles(day: &Day, pieces: usize) -> Vec<[f64; 5]> {
-    (0..=pieces)
-        .map(|i| {
-            let t = i as f64 / pieces as f64;
-            let angle = 2.0 * t.atan2(1.0 - t);
-            day.around_sun(angle, angle.cos()).to_array()
-        })
-        .collect()
-}
-
-/// What depends on the angle from the sun, as cubic curves over t = tan(angle/2) / (1 + tan(angle/2)).
+/// What depends on the angle from the sun, as cubic curves over the haversine m of the angle from the sun or from the point
+/// opposite, whichever is near.
 ///
-/// t runs from 0 at the sun to 1 opposite and is a smooth function of the angle, also at the sun, where the models have a
-/// cusp in the cosine.
+/// At both the models have a cusp in the haversine: as the angle does, they go with its root. So the pieces are as wide as
+/// a sixteenth of what m is from there, and a piece is found from the bits of m.
 struct Table {
+    /// First those of the sun's half, then those of the other, each with m rising.
     pieces: Vec<[[f64; 5]; 4]>,
 }
 
 impl Table {
     fn new(day: &Day) -> Self {
-        let values = angles(day, PIECES);
-        let pieces = (0..PIECES)
-            .map(|i| {
-                // The cubic through the four values about the piece, or the four nearest at an end.
-                let first = i.saturating_sub(1).min(PIECES - 3);
-                let start = i as f64 - first as f64;
-                let mut piece = [[0.0; 5]; 4];
-                for k in 0..5 {
-                    let v = |n: usize| values[first + n][k];
-                    // Newton's differences over 0, 1, 2, 3, as powers of x = start + share.
-                    let d1 = v(1) - v(0);
-                    let d2 = 0.5 * (v(2) - 2.0 * v(1) + v(0));
-                    let d3 = (v(3) - 3.0 * v(2) + 3.0 * v(1) - v(0)) / 6.0;
-                    let c = [v(0), d1 - d2 + 2.0 * d3, d2 - 3.0 * d3, d3];
-                    let s = start;
-                    piece[0][k] = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
-                    piece[1][k] = c[1] + s * (2.0 * c[2] + s * 3.0 * c[3]);
-                    piece[2][k] = c[2] + 3.0 * s * c[3];
-                    piece[3][k] = c[3];
+        let value = |m: f64, opposite: bool| {
+            let haversine = if opposite { 1.0 - m } else { m };
+            let half = haversine.sqrt().atan2((1.0 - haversine).sqrt());
+            let cos = if opposite {
+                2.0 * m - 1.0
+            } else {
+                1.0 - 2.0 * m
+            };
+            day.around_sun(2.0 * half, cos).to_array()
+        };
+        let mut pieces = Vec::with_capacity((2 * OCTAVES * STEPS) as usize);
+        for opposite in [false, true] {
+            for octave in (1..=OCTAVES as i32).rev() {
+                let scale = 2.0_f64.powi(-octave);
+                for step in 0..STEPS {
+                    let at = |third: f64| {
+                        let m = scale * (1.0 + (f64::from(step) + third / 3.0) / f64::from(STEPS));
+                        value(m, opposite)
+                    };
+                    pieces.push(cubic([at(0.0), at(1.0), at(2.0), at(3.0)]));
                 }
-                piece
-            })
-            .collect();
+            }
+        }
         Table { pieces }
     }
 
     /// At the haversine of an angle, 0 to 1.
-    #[inline]
+    #[inline(always)]
     fn read(&self, haversine: f64) -> Around {
-        let (sin, cos) = (haversine.max(0.0).sqrt(), (1.0 - haversine).max(0.0).sqrt());
-        let x = sin / (sin + cos) * PIECES as f64;
-        let index = (x as i32 as usize).min(PIECES - 1);
-        let share = x - index as f64;
+        let opposite = haversine > 0.5;
+        let m = if opposite { 1.0 - haversine } else { haversine };
+        // The exponent and the first four bits of the mantissa number the piece; the rest is the way through it.
+        let bits = m.max(f64::EPSILON).to_bits();
+        let first = (1023 - OCTAVES) << 4;
+        let half = if opposite { OCTAVES * STEPS } else { 0 };
+        let index = (((bits >> 48) as u32).wrapping_sub(first) + half) as usize;
+        let share = f64::from_bits((bits & ((1 << 48) - 1)) << 4 | 1.0_f64.to_bits()) - 1.0;
         let [c0, c1, c2, c3] = &self.pieces[index];
         Around::from_array(std::array::from_fn(|k| {
             c0[k] + share * (c1[k] + share * (c2[k] + share * c3[k]))
         }))
     }
+}
+
+/// Powers of the cubics through values at 0, 1/3, 2/3 and 1.
+fn cubic(values: [[f64; 5]; 4]) -> [[f64; 5]; 4] {
+    let mut powers = [[0.0; 5]; 4];
+    for k in 0..5 {
+        let v = values.map(|value| value[k]);
+        // Newton's differences over 0, 1, 2, 3, as powers of x; then x is three times the share.
+        let d1 = v[1] - v[0];
+        let d2 = 0.5 * (v[2] - 2.0 * v[1] + v[0]);
+        let d3 = (v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]) / 6.0;
+        powers[0][k] = v[0];
+        powers[1][k] = 3.0 * (d1 - d2 + 2.0 * d3);
+        powers[2][k] = 9.0 * (d2 - 3.0 * d3);
+        powers[3][k] = 27.0 * d3;
+    }
+    powers
 }

@@ -5,6 +5,7 @@ use super::{Sky, SunLight};
 use crate::colour::luminance;
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How directions lie in a map. Texel (0, 0) is at the top left.
@@ -213,6 +214,19 @@ impl Map {
             circles: (self.projection == Projection::Equirectangular)
                 .then(|| Circles::new(sky, azimuths)),
         }
+    }
+
+    /// The whole map without the sun's disc, row by row, on all cores: see [`Self::painter`].
+    pub fn paint(&self, sky: &Sky, ground: DVec3) -> Vec<Vec3> {
+        let width = self.width as usize;
+        let painter = self.painter(sky, ground);
+        // Memory that is zero already is first touched, which costs, by the core that paints it.
+        let mut texels = bytemuck::zeroed_vec(width * self.height as usize);
+        texels
+            .par_chunks_mut(width)
+            .zip(0..self.height)
+            .for_each(|(row, y)| painter.row(y, row));
+        texels
     }
 
     /// What the sun's disc adds: texel index (y * width + x) and RGB in the working space [cd/m2].

@@ -1,10 +1,10 @@
 //! A sky as plain numbers, for a device that evaluates it in f32: what shaders/common/sky_table.wgsl reads.
 //!
 //! What depends on the height of a direction goes over as coefficients, since every model has one form there; what depends
-//! on the angle from the sun as a table, read as in [`super::circles`]; twilight as its grid.
+//! on the angle from the sun as a table; twilight as its grid.
 
 use super::Sky;
-use super::circles::angles;
+use super::day::Day;
 use super::twilight;
 use crate::colour::{LUMINANCE, WORKING_FROM_XYZ};
 use glam::DVec3;
@@ -45,4 +45,15 @@ impl Sky {
         }
         table.into_iter().map(|v| v as f32).collect()
     }
+}
+
+/// What depends on the angle from the sun, at evenly spaced t = tan(angle/2) / (1 + tan(angle/2)), 0 to 1.
+fn angles(day: &Day, pieces: usize) -> Vec<[f64; 5]> {
+    (0..=pieces)
+        .map(|i| {
+            let t = i as f64 / pieces as f64;
+            let angle = 2.0 * t.atan2(1.0 - t);
+            day.around_sun(angle, angle.cos()).to_array()
+        })
+        .collect()
 }

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 use std::time::Instant as Clock;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::colour::luminance;
@@ -158,7 +158,7 @@ impl Study {
 
     fn map(&self, model: String, map: Map) -> Price {
         let width = map.width as usize;
-        let (seconds, texels) = timed(|| paint(&map, &self.sky));
+        let (seconds, texels) = timed(|| map.paint(&self.sky, DVec3::ZERO));
         let luminances: Vec<f64> = texels.iter().map(|v| luminance(v.as_dvec3())).collect();
         let mut planes = vec![0.0; NORMALS];
         for (i, l) in luminances.iter().enumerate() {
@@ -195,18 +195,6 @@ impl Study {
             .sum();
         (sum / DIRECTIONS as f64).sqrt()
     }
-}
-
-/// The sky in a map, on all cores; the ground is black.
-pub fn paint(map: &Map, sky: &Sky) -> Vec<Vec3> {
-    let width = map.width as usize;
-    let painter = map.painter(sky, DVec3::ZERO);
-    let mut texels = vec![Vec3::ZERO; width * map.height as usize];
-    texels
-        .par_chunks_mut(width)
-        .zip(0..map.height)
-        .for_each(|(row, y)| painter.row(y, row));
-    texels
 }
 
 /// What a renderer reads between the middles of four texels; at the horizon the last row of the sky goes on.
