@@ -6,6 +6,7 @@
 
 use crate::error::{Error, Result};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// The names of all layers, in the order in which they are listed.
@@ -177,12 +178,19 @@ impl Frame {
         }
     }
 
-    fn check_all<T: std::fmt::Display>(
+    fn check_all<T: std::fmt::Display + Sync>(
         &self,
         name: &str,
         values: &[T],
-        good: impl Fn(&T) -> bool,
+        good: impl Fn(&T) -> bool + Sync,
     ) -> Result<()> {
+        let parts = values.par_chunks(1 << 16);
+        if parts
+            .map(|part| part.iter().all(&good))
+            .reduce(|| true, |a, b| a & b)
+        {
+            return Ok(());
+        }
         match values.iter().position(|value| !good(value)) {
             None => Ok(()),
             Some(pixel) => Err(defect(format!(
