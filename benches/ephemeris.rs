@@ -7,7 +7,7 @@ use std::hint::black_box;
 use chrono::{DateTime, TimeDelta, Utc};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use solar_positioning::{Location, RefractionCorrection, SolarPositions};
-use tyndall::ephemeris::{Air, Almanac, Instant, Site, Tier, sun_position};
+use tyndall::ephemeris::{Air, Almanac, Directions, Instant, Site, Tier, sun_position};
 
 const DELTA_T: f64 = 69.2;
 
@@ -26,6 +26,15 @@ fn year(tier: Tier, times: &[DateTime<Utc>]) -> f64 {
         .iter()
         .map(|&utc| black_box(almanac.sun_position(&instant(utc), &site, &air)).elevation_apparent)
         .sum()
+}
+
+/// The directions alone of as many equally spaced times, in columns.
+fn directions(tier: Tier, first: DateTime<Utc>, last: DateTime<Utc>, count: usize) -> Directions {
+    let (site, instant) = (site(), |utc| {
+        Instant::from_utc_with(utc, DELTA_T).expect("a time")
+    });
+    let air = Air::standard(&site);
+    Directions::new(tier, &instant(first), &instant(last), count, &site, &air)
 }
 
 /// The same by solar-positioning.
@@ -59,6 +68,10 @@ fn benchmarks(c: &mut Criterion) {
             .throughput(Throughput::Elements(times.len() as u64));
         for tier in Tier::ALL {
             group.bench_function(tier.to_string(), |b| b.iter(|| year(tier, &times)));
+            let (first, last) = (times[0], times[times.len() - 1]);
+            group.bench_function(format!("{tier} directions"), |b| {
+                b.iter(|| directions(tier, first, last, times.len()))
+            });
         }
         group.bench_function("solar-positioning", |b| b.iter(|| year_by_others(&times)));
         group.finish();

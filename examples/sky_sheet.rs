@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example sky_sheet -- docs/sky-sheet.png`
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use image::{Rgb, RgbImage};
 use tyndall::Result;
 use tyndall::colour::{display, exposure, luminance};
@@ -43,9 +43,12 @@ fn main() -> Result<()> {
             let toward_sun = DVec3::new(0.0, (elevation * DEG).sin(), (elevation * DEG).cos());
             let sky = Sky::new(model, SunAt::unrefracted(toward_sun))?;
             let light = sky.sunlight(&SunPath::standard(elevation * DEG, model.turbidity()))?;
-            let mut texels: Vec<DVec3> = (0..TILE)
-                .flat_map(|y| map.row(y, &sky, DVec3::ZERO))
-                .collect();
+            let painter = map.painter(&sky, DVec3::ZERO);
+            let mut painted = vec![Vec3::ZERO; (TILE * TILE) as usize];
+            for (texels, y) in painted.chunks_mut(TILE as usize).zip(0..TILE) {
+                painter.row(y, texels);
+            }
+            let mut texels: Vec<DVec3> = painted.iter().map(|rgb| rgb.as_dvec3()).collect();
             for (texel, rgb) in map.disc(&light, toward_sun) {
                 texels[texel] += rgb;
             }

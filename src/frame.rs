@@ -6,6 +6,7 @@
 
 use crate::error::{Error, Result};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// The names of all layers, in the order in which they are listed.
@@ -38,7 +39,8 @@ pub struct Frame {
     pub height: u32,
     /// The layers that were made; one that is absent is black.
     pub layers: Vec<Layer>,
-    /// Distance along the ray to the surface [m], [`NO_HIT`] where there is none.
+    /// Distance along the ray to the surface [m], [`NO_HIT`] where there is none. A map has none of the three lists
+    /// from here on.
     pub depth: Vec<f32>,
     /// Unit normal of the surface in scene axes, zero where there is none.
     pub normal: Vec<Vec3>,
@@ -70,6 +72,27 @@ impl Frame {
             transmittance: vec![Vec3::ONE; pixels],
             record: Record::default(),
         }
+    }
+
+    /// A map of colours alone, whose background is given, row by row: nothing was met, and nothing is told of it.
+    pub fn map(width: u32, height: u32, background: Vec<Vec3>) -> Self {
+        Frame {
+            width,
+            height,
+            layers: vec![Layer {
+                name: "background",
+                rgb: background,
+            }],
+            depth: Vec::new(),
+            normal: Vec::new(),
+            transmittance: Vec::new(),
+            record: Record::default(),
+        }
+    }
+
+    /// Whether this is a map: colours without depth, normals and transmittance.
+    pub fn is_map(&self) -> bool {
+        self.depth.is_empty() && self.normal.is_empty() && self.transmittance.is_empty()
     }
 
     /// Memory that a frame with this many layers holds [bytes per pixel].
@@ -121,6 +144,7 @@ impl Frame {
         if let Some((name, found)) = lengths
             .into_iter()
             .chain(layers)
+            .skip(if self.is_map() { 3 } else { 0 })
             .find(|(_, found)| *found != pixels)
         {
             return Err(defect(format!(
@@ -154,12 +178,19 @@ impl Frame {
         }
     }
 
-    fn check_all<T: std::fmt::Display>(
+    fn check_all<T: std::fmt::Display + Sync>(
         &self,
         name: &str,
         values: &[T],
-        good: impl Fn(&T) -> bool,
+        good: impl Fn(&T) -> bool + Sync,
     ) -> Result<()> {
+        let parts = values.par_chunks(1 << 16);
+        if parts
+            .map(|part| part.iter().all(&good))
+            .reduce(|| true, |a, b| a & b)
+        {
+            return Ok(());
+        }
         match values.iter().position(|value| !good(value)) {
             None => Ok(()),
             Some(pixel) => Err(defect(format!(

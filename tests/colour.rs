@@ -38,7 +38,7 @@ fn relative(ours: &[DVec3], theirs: &[DVec3]) -> f64 {
 fn sky_cases() -> Vec<[f64; 4]> {
     // The plastic number's powers spread evenly in four dimensions (Roberts 2018).
     let g: f64 = 1.167_303_978_261_418_7;
-    (1..=200)
+    (1..=500)
         .map(|i| {
             let u: [f64; 4] =
                 std::array::from_fn(|d| (0.5 + f64::from(i) * g.powi(-(d as i32 + 1))).fract());
@@ -122,6 +122,35 @@ fn sky_colours_are_those_of_colour_science() {
             relative(ours, &vectors(theirs))
         );
     }
+
+    // The finished linear Rec. 709, each exposed to just below white, in steps that an eye sees.
+    let codes = |linear: &[DVec3]| -> Vec<[f64; 3]> {
+        let exposed = linear.iter().map(|v| *v * (0.99 / v.max_element()));
+        let flat: Vec<f64> = exposed
+            .flat_map(|v| v.max(DVec3::ZERO).to_array())
+            .collect();
+        let judged = judge("codes", &json!({ "srgb_encode": flat })).unwrap();
+        let codes: Vec<f64> = serde_json::from_value(judged["srgb_encode"].clone()).unwrap();
+        codes
+            .chunks(3)
+            .map(|c| [c[0] * 255.0, c[1] * 255.0, c[2] * 255.0])
+            .collect()
+    };
+    let their_rec709 = vectors(&second["xyz_to_rgb"][0]);
+    let differences = |ours: &[DVec3]| -> Vec<f64> {
+        let pairs: Vec<_> = codes(ours).into_iter().zip(codes(&their_rec709)).collect();
+        let judged = judge("delta E", &json!({ "delta_e": pairs })).unwrap();
+        serde_json::from_value(judged["delta_e"].clone()).unwrap()
+    };
+    let found = differences(&rec709);
+    assert!(found.len() >= 500);
+    assert!(found.iter().all(|e| *e < 0.1));
+    // A channel that is 1 % off is more than that.
+    let off: Vec<DVec3> = rec709
+        .iter()
+        .map(|v| *v * DVec3::new(1.0, 0.99, 1.0))
+        .collect();
+    assert!(differences(&off).iter().all(|e| *e > 0.1));
 
     // A wrong input is noticed: the sun moved by half a degree, turbidity by 1 %, the adaptation forgotten.
     for (index, amount) in [(1, 0.5), (0, 0.02)] {
@@ -483,7 +512,7 @@ fn the_plain_picture_has_the_codes_of_colour_science() {
         .map(|(i, xyy)| {
             let rgb =
                 Space::Rec709.from_working() * colour::working_from_xyz(colour::xyz_from_xyy(*xyy));
-            rgb * (0.10 + 0.89 * (i as f64 / 200.0)) / rgb.max_element()
+            rgb * (0.10 + 0.89 * (i as f64 / cases.len() as f64)) / rgb.max_element()
         })
         .collect();
     let flat: Vec<f64> = linear.iter().flat_map(|v| v.to_array()).collect();

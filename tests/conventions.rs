@@ -255,8 +255,8 @@ fn the_library_is_silent() {
     assert_eq!(bad_manners(&test), [""; 0]);
 }
 
-/// Shaders without the effect of the same stem.
-fn orphans(shaders: &Files, effects: &Files) -> Vec<String> {
+/// Shaders without the effect, or the file of the GPU's, of the same stem.
+fn orphans(shaders: &Files, owners: &Files) -> Vec<String> {
     let own = shaders
         .keys()
         .filter(|path| !path.starts_with("shaders/common/"));
@@ -265,15 +265,20 @@ fn orphans(shaders: &Files, effects: &Files) -> Vec<String> {
         name.strip_suffix(".wgsl").unwrap_or(name).to_owned()
     };
     own.map(|path| stem(path))
-        .filter(|stem| !effects.contains_key(&format!("src/effect/{stem}.rs")))
+        .filter(|stem| {
+            ["effect", "gpu"]
+                .iter()
+                .all(|folder| !owners.contains_key(&format!("src/{folder}/{stem}.rs")))
+        })
         .map(|stem| format!("shaders/{stem}.wgsl has no src/effect/{stem}.rs"))
         .collect()
 }
 
 #[test]
 fn a_shader_has_its_effect() {
-    let effects = texts("src/effect", &[".rs"]);
-    assert_eq!(orphans(&texts("shaders", &[".wgsl"]), &effects), [""; 0]);
+    let mut owners = texts("src/effect", &[".rs"]);
+    owners.extend(texts("src/gpu", &[".rs"]));
+    assert_eq!(orphans(&texts("shaders", &[".wgsl"]), &owners), [""; 0]);
     let effects = made_up(&[("src/effect/shafts_march.rs", "")]);
     let shaders = made_up(&[
         ("shaders/shafts_march.wgsl", ""),

@@ -14,6 +14,8 @@ const TABLES: &[(&str, u64)] = &[
     ("cie1931_2deg.csv", 0xbd1a_8467_f72c_4050),
     ("cie_s011_standard_general_sky.csv", 0xe984_95cf_b1bd_363c),
     ("diakite_colour.json", 0x01c8_4051_2601_3cbc),
+    ("ephemeris/delta_t.csv", 0xeb4a_b841_b0c6_894e),
+    ("ephemeris/truth.csv", 0xcc62_1448_8dae_186b),
     ("hosek2012_rgb.bin", 0x45b9_9493_2253_7efc),
     ("ozone_iqbal1983.csv", 0xe2c3_7ac0_ee97_f384),
     ("perez1990_efficacy.json", 0x6bc3_9111_9b41_7a33),
@@ -31,8 +33,13 @@ fn every_table_is_the_one_whose_source_is_stated() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     let sources = fs::read_to_string(folder.join("SOURCES.md")).unwrap();
     let mut found = 0;
-    for entry in fs::read_dir(&folder).unwrap() {
-        let name = entry.unwrap().file_name().into_string().unwrap();
+    let names = |part: &str| -> Vec<String> {
+        fs::read_dir(folder.join(part))
+            .unwrap()
+            .map(|entry| part.to_owned() + &entry.unwrap().file_name().into_string().unwrap())
+            .collect()
+    };
+    for name in names("").into_iter().chain(names("ephemeris/")) {
         if !["csv", "json", "bin"]
             .iter()
             .any(|e| name.ends_with(&format!(".{e}")))

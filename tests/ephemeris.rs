@@ -339,6 +339,68 @@ fn the_almanac_is_the_ephemeris() {
 }
 
 #[test]
+fn directions_are_the_ephemeris() {
+    let mut random = Random(5);
+    for tier in Tier::ALL {
+        // Years of hours, minutes of weeks, a century of odd steps, a single instant; backwards, and in far years.
+        for (year, step, count) in [
+            (2026.0, 3600.0, 8760),
+            (2024.1, 60.0, 100_003),
+            (1900.0, 37_777.0, 3000),
+            (-1990.0, 1234.5, 3000),
+            (5990.0, 1234.5, 3000),
+            (2026.5, -60.0, 500),
+            (2026.0, 86_400.0, 400),
+            (2026.0, 1.0, 1),
+        ] {
+            let start = Julian::new(2_451_545.0, (year - 2000.0) * 365.25);
+            let start = Instant::from_julian(start, TimeScale::Ut1, None).unwrap();
+            let end = start.plus_seconds(step * f64::from(count - 1));
+            let site = Site::new(
+                random.next(-90.0, 90.0),
+                random.next(-180.0, 180.0),
+                random.next(0.0, 4000.0),
+            )
+            .unwrap();
+            let air = Air::standard(&site);
+            let fast = Directions::new(tier, &start, &end, count as usize, &site, &air);
+            let worst = |late: f64| {
+                (0..count as usize)
+                    .step_by(7)
+                    .map(|i| {
+                        let instant = start.plus_seconds(step * i as f64 + late);
+                        let sun = sun_position(tier, &instant, &site, &air);
+                        let apparent = unit(fast.azimuth[i], fast.elevation_apparent[i]);
+                        apart(
+                            sun.direction(false),
+                            unit(fast.azimuth[i], fast.elevation_true[i]),
+                        )
+                        .max(apart(sun.direction(true), apparent))
+                    })
+                    .fold(0.0, f64::max)
+            };
+            println!("{tier} {year}: {:.6}\"", worst(0.0) / ARCSEC);
+            assert!(
+                worst(0.0) < 0.01 * ARCSEC,
+                "{tier}, {year}: {} arcseconds",
+                worst(0.0) / ARCSEC
+            );
+            // The bound is close enough to see 10 ms pass, in which the earth turns by 0.15 arcseconds.
+            assert!(worst(0.01) > 0.01 * ARCSEC, "{tier}, {year}");
+            assert!(
+                fast.azimuth
+                    .iter()
+                    .all(|a| (0.0..std::f64::consts::TAU).contains(a))
+            );
+        }
+    }
+    let site = Site::new(0.0, 0.0, 0.0).unwrap();
+    let start = utc("2026-03-20T12:00:00Z");
+    let none = Directions::new(Tier::Spa, &start, &start, 0, &site, &Air::standard(&site));
+    assert_eq!(none, Directions::default());
+}
+
+#[test]
 fn the_elevation_has_no_jump() {
     // Ten seconds turn the sky by 150.4 arcseconds; no tier may move the sun by more in any of these nights.
     let site = Site::new(10.0, 0.0, 0.0).unwrap();

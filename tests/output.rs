@@ -293,6 +293,38 @@ fn the_exr_holds_the_frame() {
 }
 
 #[test]
+fn a_map_is_its_colours_alone() {
+    let test = "output::a_map_is_its_colours_alone";
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("map.exr");
+    // More rows than a block has, and a sun.
+    let mut rgb: Vec<Vec3> = (0..96 * 48)
+        .map(|i| Vec3::new(1.0, 0.7, 0.3) * (1.0 + (0.01 * i as f32).sin()))
+        .collect();
+    rgb[1234] = Vec3::splat(1.6e9);
+    let map = Frame::map(96, 48, rgb.clone());
+    exr::write(&path, &map, &rec709(), &[]).expect("the map is written");
+    for found in [Some(by_crate(&path)), by_openexr(test, &path)]
+        .into_iter()
+        .flatten()
+    {
+        let names: Vec<&str> = found.channels.keys().map(String::as_str).collect();
+        assert_eq!(names, ["B", "G", "R"]);
+        for (k, row) in ["R", "G", "B"].into_iter().zip(0..3) {
+            let row = rec709().from_working.row(row);
+            for (value, v) in found.channels[k].iter().zip(&rgb) {
+                // To the last bit: the compression loses nothing.
+                assert_eq!(*value, row.dot(v.as_dvec3()) as f32);
+            }
+        }
+    }
+    assert!(map.check().is_ok());
+    let mut short = map.clone();
+    short.layers[0].rgb.pop();
+    assert!(short.check().is_err());
+}
+
+#[test]
 fn another_frame_is_noticed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.exr");

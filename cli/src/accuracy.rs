@@ -1,16 +1,16 @@
 //! `tyndall accuracy`: what accuracy costs.
 
 use clap::Args;
-use serde_json::json;
-use tyndall::studies::ephemeris::{Price, SAMPLES, prices};
+use serde_json::{Map, Value, json};
+use tyndall::studies::{ephemeris, sky};
 use tyndall::{Error, Result};
 
-use crate::output;
+use crate::stdout::{self, Out};
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
-    /// What to measure
+    /// What to measure: ephemeris or sky
     #[arg(long, value_name = "EFFECT", default_value = "ephemeris")]
     effect: String,
     /// Print JSON
@@ -21,87 +21,138 @@ pub struct AccuracyArgs {
     csv: bool,
 }
 
+/// A row of a table, by its columns' names.
+type Columns = Map<String, Value>;
+
 /// Runs `tyndall accuracy`.
 pub fn run(args: &AccuracyArgs) -> Result<()> {
+    let quiet = "other work on this machine makes the rates smaller, not the errors";
     match args.effect.as_str() {
-        "ephemeris" => ephemeris(args),
+        "ephemeris" => {
+            eprintln!("measuring four tiers; {quiet}");
+            let prices = ephemeris::prices();
+            let rows = prices.iter().map(ephemeris_columns).collect();
+            print(args, rows, |out| ephemeris_table(out, &prices))
+        }
+        "sky" => {
+            eprintln!("measuring patches, maps and bands; {quiet}");
+            let prices = sky::prices()?;
+            let rows = prices.iter().map(sky_columns).collect();
+            print(args, rows, |out| sky_table(out, &prices))
+        }
         other => Err(Error::input(
             "--effect",
             format!("`{other}` is not known"),
-            "write ephemeris",
+            "write ephemeris or sky",
         )),
     }
 }
 
-/// The price list of the ephemeris.
-pub fn ephemeris(args: &AccuracyArgs) -> Result<()> {
-    eprintln!(
-        "measuring four tiers; other work on this machine makes the rates smaller, not the errors"
-    );
-    let prices = prices();
-    let mut out = output::stdout();
+/// Prints rows as JSON or CSV, or else as the table that `table` writes.
+fn print(
+    args: &AccuracyArgs,
+    rows: Vec<Columns>,
+    table: impl FnOnce(&mut Out) -> Result<()>,
+) -> Result<()> {
     if args.json {
-        let rows: Vec<_> = prices
-            .iter()
-            .map(|price| {
-                json!(
-                    columns(price)
-                        .into_iter()
-                        .collect::<serde_json::Map<_, _>>()
-                )
-            })
-            .collect();
-        out.line(&serde_json::to_string_pretty(&rows).unwrap_or_default())?;
-    } else if args.csv {
-        for (i, price) in prices.iter().enumerate() {
-            let columns = columns(price);
+        return stdout::print_json(&rows);
+    }
+    let mut out = stdout::lock();
+    if args.csv {
+        let join = |cells: Vec<String>| cells.join(",");
+        for (i, row) in rows.iter().enumerate() {
             if i == 0 {
-                out.line(
-                    &columns
-                        .iter()
-                        .map(|c| c.0.as_str())
-                        .collect::<Vec<_>>()
-                        .join(","),
-                )?;
+                out.line(&join(row.keys().cloned().collect()))?;
             }
-            let cells: Vec<String> = columns
-                .iter()
-                .map(|c| c.1.as_str().map_or_else(|| c.1.to_string(), str::to_owned))
-                .collect();
-            out.line(&cells.join(","))?;
+            let cell = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_owned);
+            out.line(&join(row.values().map(cell).collect()))?;
         }
     } else {
-        let cores = rayon::current_num_threads();
-        out.line(&format!("error [arcsec]: great circle on the sky, 1900 to 2100; `arcsecond` at {SAMPLES} places and times, ERFA at 600"))?;
-        out.line(&format!("rate [positions/s]: unordered times, and a year of minutes at one place; one core / all {cores}"))?;
-        out.line("")?;
-        out.line("tier         worst and RMS to arcsecond   worst and RMS to ERFA        unordered          year of minutes")?;
-        for Price {
-            tier,
-            against_arcsecond: a,
-            against_erfa: e,
-            single,
-            series,
-        } in &prices
-        {
-            out.line(&format!(
-                "{tier:<10} {:>12.4} {:>12.4} {:>12.4} {:>12.4}  {:>8} / {:<8} {:>8} / {:<8}",
-                a.0,
-                a.1,
-                e.0,
-                e.1,
-                rate(single.0),
-                rate(single.1),
-                rate(series.0),
-                rate(series.1)
-            ))?;
-        }
+        table(&mut out)?;
     }
     out.finish()
 }
 
-fn columns(price: &Price) -> Vec<(String, serde_json::Value)> {
-    [
+fn columns<const N: usize>(columns: [(&str, Value); N]) -> Columns {
+    let named = columns.map(|(name, value)| (name.to_owned(), value));
+    named.into_iter().collect()
+}
+
+fn sky_columns(price: &sky::Price) -> Columns {
+    columns([
+        ("knob", json!(price.knob)),
+        ("setting", json!(price.setting)),
+        ("count", json!(price.count)),
+        ("seconds", json!(price.seconds)),
+        ("illuminance_error", json!(price.illuminance_error)),
+        ("detail_error", json!(price.detail_error)),
+    ])
+}
+
+fn sky_table(out: &mut Out, prices: &[sky::Price]) -> Result<()> {
+    let (sun, cores) = (sky::SUN_ELEVATION_DEG, rayon::current_num_threads());
+    out.line(&format!(
+        "the clear default sky, the sun {sun} degrees high; worst relative error of the illuminance of 13 planes, level and \
+         upright,\nand RMS relative error of a direction's luminance; times on one core, of maps on {cores}"
+    ))?;
+    let mut knob = "";
+    for price in prices {
+        if price.knob != knob {
+            knob = price.knob;
+            let titles = match knob {
+                "bands" => ["bands of sunlight, 380 to 780 nm", "illuminance", "u'v'"],
+                "map" => ["texels of an equirectangular map", "planes", "direction"],
+                _ => ["patches of the dome", "planes", "direction"],
+            };
+            let [what, first, second] = titles;
+            out.line(&format!(
+                "\n{what:<34}{:>9}{:>12}{first:>13}{second:>12}",
+                "", "time"
+            ))?;
+        }
+        out.line(&format!(
+            "{:<34}{:>9}{:>12}{:>13.1e}{:>12.1e}",
+            price.setting,
+            price.count,
+            time(price.seconds),
+            price.illuminance_error,
+            price.detail_error
+        ))?;
+    }
+    Ok(())
+}
+
+/// A time with a fitting unit.
+fn time(seconds: f64) -> String {
+    match seconds {
+        s if s >= 1.0 => format!("{s:.2} s"),
+        s if s >= 1e-3 => format!("{:.2} ms", 1e3 * s),
+        s => format!("{:.2} us", 1e6 * s),
+    }
+}
+
+fn ephemeris_table(out: &mut Out, prices: &[ephemeris::Price]) -> Result<()> {
+    let (samples, cores) = (ephemeris::SAMPLES, rayon::current_num_threads());
+    out.line(&format!("error [arcsec]: great circle on the sky, 1900 to 2100; `arcsecond` at {samples} places and times, ERFA at 600"))?;
+    out.line(&format!("rate [positions/s]: unordered times, a year of minutes at one place, the same as directions alone; one core / all {cores}"))?;
+    out.line("")?;
+    out.line("tier         worst and RMS to arcsecond   worst and RMS to ERFA        unordered          year of minutes     directions alone")?;
+    for price in prices {
+        let (a, e) = (price.against_arcsecond, price.against_erfa);
+        let mut line = format!(
+            "{:<10} {:>12.4} {:>12.4} {:>12.4} {:>12.4} ",
+            price.tier, a.0, a.1, e.0, e.1
+        );
+        for (one, all) in [price.single, price.series, price.directions] {
+            line += &format!(" {:>8} / {:<8}", rate(one), rate(all));
+        }
+        out.line(line.trim_end())?;
+    }
+    Ok(())
+}
+
+fn ephemeris_columns(price: &ephemeris::Price) -> Columns {
+    columns([
         ("tier", json!(price.tier.to_string())),
         ("worst_to_arcsecond", json!(price.against_arcsecond.0)),
         ("rms_to_arcsecond", json!(price.against_arcsecond.1)),
@@ -111,10 +162,9 @@ fn columns(price: &Price) -> Vec<(String, serde_json::Value)> {
         ("unordered_all_cores", json!(price.single.1)),
         ("series_one_core", json!(price.series.0)),
         ("series_all_cores", json!(price.series.1)),
-    ]
-    .into_iter()
-    .map(|(name, value)| (name.to_owned(), value))
-    .collect()
+        ("directions_one_core", json!(price.directions.0)),
+        ("directions_all_cores", json!(price.directions.1)),
+    ])
 }
 
 /// A rate with its thousands: 3.21 M, 456 k.

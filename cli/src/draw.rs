@@ -1,10 +1,10 @@
 //! A drawing of lines and words, written as SVG or as PNG.
 
+use std::io::Write;
 use std::path::Path;
 
+use tyndall::output::atomic;
 use tyndall::{Error, Result};
-
-use crate::output;
 
 /// A colour, sRGB.
 pub type Color = [u8; 3];
@@ -129,14 +129,15 @@ impl Drawing {
     /// # Errors
     /// [`Error::Input`] for another ending; [`Error::File`] if it cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
+        let write = |path: &Path, bytes: &[u8]| atomic::write(path, |file| file.write_all(bytes));
         match path
             .extension()
             .and_then(|e| e.to_str())
             .map(str::to_ascii_lowercase)
             .as_deref()
         {
-            Some("svg") => output::save(path, self.svg().as_bytes()),
-            Some("png") => output::save(path, &self.png()?),
+            Some("svg") => write(path, self.svg().as_bytes()),
+            Some("png") => write(path, &self.png()?),
             _ => Err(Error::input(
                 path.display().to_string(),
                 "the name ends in neither .svg nor .png",

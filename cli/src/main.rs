@@ -2,12 +2,12 @@
 
 mod accuracy;
 mod backend;
+mod batch;
 mod choose;
 mod completions;
 mod doctor;
 mod draw;
 mod labels;
-mod output;
 mod place_time;
 mod plan;
 mod plot;
@@ -21,6 +21,7 @@ mod sun;
 mod sun_batch;
 mod sun_path;
 mod tell;
+mod time_text;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;

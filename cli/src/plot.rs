@@ -4,7 +4,7 @@
 
 use crate::draw::{Anchor, Color, Drawing, escaped, text_width};
 use crate::labels::{Room, TIED};
-use crate::output;
+use crate::stdout;
 use std::f64::consts::TAU;
 use std::path::Path;
 use tyndall::{Error, Result};
@@ -97,7 +97,7 @@ impl Plot {
     pub fn save(&self, path: &Path) -> Result<()> {
         let extension = path.extension().and_then(|e| e.to_str());
         match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("html") => output::save(path, self.html()?.as_bytes()),
+            Some("html") => stdout::save(path, self.html()?.as_bytes()),
             Some("svg" | "png") => self.draw()?.save(path),
             _ => Err(Error::input(
                 path.display().to_string(),

@@ -1,16 +1,18 @@
 //! `tyndall sky`: the sky alone, as an environment map or in numbers.
 
+use crate::backend::{Backend, BackendFlag};
+use crate::batch::Form;
 use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::render::{self, Exposure};
 use crate::{scene_args, sky_batch, stdout};
 use clap::{Args, ValueEnum};
-use glam::{DVec3, Vec3};
-use rayon::prelude::*;
+use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::{Air, sun_position};
-use tyndall::frame::{Frame, Layer};
+use tyndall::frame::Frame;
+use tyndall::gpu::sky_map;
 use tyndall::output::{self, Format};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, SunPath};
@@ -68,6 +70,9 @@ pub struct SkyArgs {
     /// Width and height of the map in pixels [default: 2048x1024, 1024x1024 or 3072x512]
     #[arg(long, value_name = "WxH", value_parser = scene_args::size)]
     size: Option<[u32; 2]>,
+    /// What paints the map; the CPU is done with one before a graphics adapter is opened
+    #[arg(long, value_enum, default_value = "reference")]
+    backend: BackendFlag,
     /// Leave the sun's disc out of the map
     #[arg(long)]
     without_sun: bool,
@@ -81,6 +86,9 @@ pub struct SkyArgs {
     /// diffuse_horizontal, view_azimuth from the sun's, view_elevation; degrees); - is standard input
     #[arg(long, value_name = "FILE.csv", allow_hyphen_values = true, conflicts_with_all = ["output", "at", "time", "sun"])]
     batch: Option<PathBuf>,
+    /// With --batch: stop at the first broken row, and print nothing
+    #[arg(long, requires = "batch")]
+    strict: bool,
     /// Print JSON
     #[arg(long, conflicts_with = "csv")]
     json: bool,
@@ -110,7 +118,11 @@ struct Subject {
 /// Runs `tyndall sky`.
 pub fn run(args: &SkyArgs) -> Result<()> {
     if let Some(path) = &args.batch {
-        return sky_batch::run(path, args.json);
+        let form = Form {
+            json: args.json,
+            strict: args.strict,
+        };
+        return sky_batch::run(path, form);
     }
     let formats = output::check_targets(&args.output)?;
     let subject = subject(args)?;
@@ -150,7 +162,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         return Ok(());
     }
     let frame = paint(args, &subject)?;
-    let ev100 = match args.exposure {
+    let ev100 = || match args.exposure {
         Exposure::Ev100(ev) => ev,
         Exposure::Auto => {
             // A sky is brighter than the grey that a meter expects: one stop more, as photographers give it.
@@ -161,9 +173,10 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let space = render::output_space(args.color_space);
     for (path, format) in args.output.iter().zip(&formats) {
         match format {
-            Format::Exr => output::exr::write(path, &frame, &space, &["background"])?,
+            Format::Exr => output::exr::write(path, &frame, &space, &[])?,
             Format::Hdr => output::hdr::write(path, &frame, &space)?,
             Format::Png => {
+                let ev100 = ev100();
                 let bytes = output::png::encode(&frame, |x, y, rgb| {
                     display::encode(rgb, ev100, [x, y], true)
                 });
@@ -346,25 +359,27 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
     let [width, height] = args.size.unwrap_or(size);
     let map = Map::new(projection, width, height)?;
     let ground = ground(args, subject);
-    let mut rgb: Vec<Vec3> = (0..height)
-        .into_par_iter()
-        .flat_map_iter(|y| {
-            map.row(y, &subject.sky, ground)
-                .into_iter()
-                .map(|v| v.as_vec3())
-        })
-        .collect();
+    let backend = Backend::new(args.backend)?;
+    let mut rgb = match &backend {
+        Backend::Gpu(device) => {
+            let painted = sky_map::paint(device, &map, &subject.sky, ground)?;
+            if let Some(time) = painted.time {
+                let milliseconds = 1e3 * time.as_secs_f64();
+                eprintln!("painted    in {milliseconds:.2} ms by the device's own clock");
+            }
+            painted.texels
+        }
+        Backend::Reference => map.paint(&subject.sky, ground),
+    };
+    eprintln!("backend    {}", backend.describe());
     if !args.without_sun {
         for (texel, light) in map.disc(&subject.light, subject.toward_sun) {
             rgb[texel] = (rgb[texel].as_dvec3() + light).as_vec3();
         }
     }
-    let mut frame = Frame::new(width, height);
-    frame.layers.push(Layer {
-        name: "background",
-        rgb,
-    });
+    let mut frame = Frame::map(width, height, rgb);
     frame.record.set("version", env!("CARGO_PKG_VERSION"));
+    frame.record.set("backend", backend.describe());
     for (name, value) in facts(args, subject) {
         match value {
             Value::String(text) => frame.record.set(name, text),

@@ -16,7 +16,8 @@ use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
 use crate::place_time::{self, PlaceArgs, TimeArgs};
-use crate::{output, sun_batch, sun_path};
+use crate::time_text::{time_text, write_time};
+use crate::{stdout, sun_batch, sun_path};
 
 /// The flags of `tyndall sun`.
 #[derive(Args, Debug)]
@@ -252,17 +253,17 @@ impl Context<'_> {
         let sun =
             tyndall::ephemeris::sun_position(self.tier(), &moment.instant, &self.site, &self.air);
         let time = civil::local_text(moment.local());
-        let mut out = output::stdout();
+        let mut out = stdout::lock();
         if self.args.csv {
             let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
             out.line(&format!("time,{}", names.join(",")))?;
-            out.line(&csv_row(&output::time_text(&moment.local()), &sun))?;
+            out.line(&csv_row(&time_text(&moment.local()), &sun))?;
             return out.finish();
         }
         let events = self.events(moment.local().date_naive())?;
         if self.args.json {
             let value = json!({
-                "time": output::time_text(&moment.local()),
+                "time": time_text(&moment.local()),
                 "utc": moment.utc.to_rfc3339_opts(SecondsFormat::AutoSi, true),
                 "jd_utc": moment.instant.ut().jd(),
                 "delta_t": moment.instant.delta_t(),
@@ -367,7 +368,7 @@ impl Context<'_> {
             return self.range(start, end);
         }
         let rows = self.rows(start, end, step, 0..count(start, end, step))?;
-        let mut out = output::stdout();
+        let mut out = stdout::lock();
         if self.args.json {
             let positions: Vec<Value> = rows
                 .iter()
@@ -401,7 +402,7 @@ impl Context<'_> {
     fn range(&self, start: DateTime<Utc>, end: DateTime<Utc>) -> Result<()> {
         let step = self.args.step.unwrap_or(TimeDelta::hours(1));
         let count = count(start, end, step);
-        let mut out = output::stdout();
+        let mut out = stdout::lock();
         if self.args.csv {
             let sun = tyndall::ephemeris::sun_position(
                 self.tier(),
@@ -511,11 +512,11 @@ impl Context<'_> {
     }
 
     fn time_text(&self, utc: DateTime<Utc>) -> String {
-        output::time_text(&self.clock.local(utc))
+        time_text(&self.clock.local(utc))
     }
 
     fn write_csv(&self, text: &mut Vec<u8>, utc: DateTime<Utc>, sun: &SunPosition) {
-        output::write_time(text, &self.clock.local(utc));
+        write_time(text, &self.clock.local(utc));
         for (_, value) in columns(sun) {
             let _ = write!(text, ",{value}");
         }
@@ -524,7 +525,7 @@ impl Context<'_> {
 
     fn print_table(
         &self,
-        out: &mut output::Out,
+        out: &mut stdout::Out,
         rows: &[(DateTime<Utc>, SunPosition)],
     ) -> Result<()> {
         out.line(TABLE_HEAD)?;
@@ -609,10 +610,10 @@ impl Context<'_> {
     fn millis(&self, instant: &Instant) -> String {
         let millis = instant.plus_seconds(0.0005).to_utc();
         let whole = DateTime::from_timestamp_millis(millis.timestamp_millis()).unwrap_or(millis);
-        output::time_text(&self.clock.local(whole))
+        time_text(&self.clock.local(whole))
     }
 
-    fn print_events(&self, out: &mut output::Out, events: &DayEvents) -> Result<()> {
+    fn print_events(&self, out: &mut stdout::Out, events: &DayEvents) -> Result<()> {
         let almanac = Almanac::new(self.tier(), &events.span.0, &events.span.1);
         out.line(&format!("events of {}", events.date))?;
         for (name, times, absence) in self.event_list(events) {

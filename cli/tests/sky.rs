@@ -56,7 +56,7 @@ fn a_batch_gives_the_models_as_published() {
     }
     // JSON holds the same digits. (serde_json's quick reading would be off by an ulp.)
     let text = stdout(&sky(&["--batch", "-", "--json"], input));
-    assert!(text.contains(&format!("\"Y\": {}", rows[2][8])), "{text}");
+    assert!(text.contains(&format!("\"Y\":{}", rows[2][8])), "{text}");
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json[1]["direct_normal"], 500.0);
 }
@@ -75,6 +75,13 @@ fn a_bad_row_is_named_and_the_rest_printed() {
             "{errors}"
         );
     }
+    let strict = sky(&["--batch", "-", "--strict"], input);
+    assert_eq!(strict.status.code(), Some(2));
+    assert!(strict.stdout.is_empty());
+    // A comma in quotes is part of its cell, and stays so.
+    let quoted = "model,note,sun_elevation,view_azimuth,view_elevation\ncie:12,\"a, b\",40,0,90\n";
+    let text = stdout(&sky(&["--batch", "-"], quoted));
+    assert!(text.contains("\ncie:12,\"a, b\",40,0,90,"), "{text}");
     let missing = sky(&["--batch", "-"], "model,turbidity\npreetham,3\n");
     assert_eq!(missing.status.code(), Some(2));
     assert!(
@@ -154,5 +161,43 @@ fn what_is_missing_is_named() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         let text = String::from_utf8(output.stderr).unwrap();
         assert!(text.contains(word), "{arguments:?}: {text}");
+    }
+}
+
+#[test]
+fn the_gpu_paints_the_same_map() {
+    // Without an adapter `gpu` says what to do.
+    let folder = tempfile::tempdir().unwrap();
+    let paint = |backend: &str, name: &str| {
+        let path = folder.path().join(name);
+        let file = path.to_str().unwrap();
+        let flags = ["--sun", "200,20", "--size", "256x128", "--backend", backend];
+        let output = sky(&[&flags[..], &["-o", file]].concat(), "");
+        (output, path)
+    };
+    let (reference, truth) = paint("reference", "reference.exr");
+    assert!(reference.status.success());
+    let (output, path) = paint("gpu", "gpu.exr");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        let required = std::env::var_os("REQUIRE_GPU").is_some_and(|v| v == "1");
+        assert!(!required && errors.contains("tyndall doctor"), "{errors}");
+        return;
+    }
+    assert!(errors.contains("backend    gpu ("), "{errors}");
+    let texels = |path: &std::path::Path| -> Vec<f32> {
+        let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
+        let channels = &image.layer_data.channel_data.list;
+        assert_eq!(channels.len(), 3, "colour alone");
+        channels
+            .iter()
+            .flat_map(|c| c.sample_data.values_as_f32().collect::<Vec<_>>())
+            .collect()
+    };
+    let (found, truth) = (texels(&path), texels(&truth));
+    let largest = truth.iter().copied().fold(0.0, f32::max);
+    assert!(largest > 1e6, "the sun is in it");
+    for (found, truth) in found.iter().zip(&truth) {
+        assert!((found / truth - 1.0).abs() < 2e-4, "{found} {truth}");
     }
 }

@@ -57,6 +57,7 @@ pub fn xyy_from_xyz(xyz: DVec3) -> DVec3 {
 ///
 /// Light is never negative, but light purer than the primaries of Rec. 2020 (a sun deep in haze) has a negative channel
 /// there. Triples inside the gamut are returned as they are; one of luminance <= 0 becomes black.
+#[inline]
 pub fn into_gamut(rgb: DVec3) -> DVec3 {
     let least = rgb.min_element();
     if least >= 0.0 {

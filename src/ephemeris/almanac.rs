@@ -75,6 +75,20 @@ impl Almanac {
         observe(self.tier, &place, equation_of_time, instant, site, air)
     }
 
+    /// The interpolated columns at times [days since J2000.0 TT] within the span; outside it, those of its edge's
+    /// polynomial. Not for tier `day`, which has none.
+    pub(super) fn columns<const N: usize>(&self, tt_days: &[f64; N], columns: &mut [[f64; N]; 4]) {
+        let last = self.intervals.len() - 1;
+        for (lane, days) in tt_days.iter().enumerate() {
+            let position = (days - self.start) / STEP;
+            let index = (position as i32).clamp(0, last as i32);
+            let sum = evaluate(&self.intervals[index as usize], position - f64::from(index));
+            for (column, sum) in columns.iter_mut().zip(sum) {
+                column[lane] = sum;
+            }
+        }
+    }
+
     /// The interpolated place, or `None` outside the span.
     fn place(&self, instant: &Instant) -> Option<Place> {
         let days = instant.tt().days();
@@ -84,15 +98,8 @@ impl Almanac {
         }
         let index = position as usize;
         let coefficients = self.intervals.get(index)?;
-        let x = 2.0 * (position - index as f64) - 1.0;
-        // Four polynomials at once: written so that they share vector registers.
-        let mut sum = coefficients[POINTS - 1];
-        for column in coefficients[..POINTS - 1].iter().rev() {
-            for (sum, c) in sum.iter_mut().zip(column) {
-                *sum = *sum * x + c;
-            }
-        }
-        let [from_mean, declination, distance_au, equation_of_equinoxes] = sum;
+        let [from_mean, declination, distance_au, equation_of_equinoxes] =
+            evaluate(coefficients, position - index as f64);
         Some(Place {
             from_mean: half_turn(from_mean),
             mean_longitude: spa::mean_longitude(days * (1.0 / 365_250.0)),
@@ -101,6 +108,20 @@ impl Almanac {
             equation_of_equinoxes,
         })
     }
+}
+
+/// The columns at a part of an interval, from 0 to 1.
+#[inline(always)]
+fn evaluate(coefficients: &[Columns; POINTS], part: f64) -> Columns {
+    let x = 2.0 * part - 1.0;
+    // Four polynomials at once: written so that they share vector registers.
+    let mut sum = coefficients[POINTS - 1];
+    for column in coefficients[..POINTS - 1].iter().rev() {
+        for (sum, c) in sum.iter_mut().zip(column) {
+            *sum = *sum * x + c;
+        }
+    }
+    sum
 }
 
 /// The coefficients, over -1 to 1, of the polynomial through eight places, of which the middle two are at -1 and 1.

@@ -11,9 +11,10 @@
 use std::f64::consts::TAU;
 
 use super::place::Place;
-use super::series::{periodic, sin_cos};
+use super::series::periodic;
 use super::spa;
 use super::time::{CENTURY, Julian};
+use super::trigonometry::sin_cos;
 use super::vsop87::{B, L, R};
 use crate::units::ARCSEC;
 
@@ -68,12 +69,13 @@ pub(super) fn place(tt: Julian) -> Place {
     )
 }
 
-/// The mean sidereal time at Greenwich [rad].
+/// The mean sidereal time at Greenwich [rad], of the part of the day and the days since J2000.0 (UT, then TT).
 ///
 /// Differs: IAU 2006 gives its precession in right ascension as a polynomial that is made for some centuries. This one
 /// is the integral of the same quantity along the long-term precession: equal to 5 mas from 1900 to 2100, 4 arcseconds
 /// away in year -2000 and 11 in 6000.
-pub(super) fn sidereal_time(ut: Julian, tt: Julian) -> f64 {
+#[inline(always)]
+pub(super) fn sidereal_time(fraction: f64, ut_days: f64, tt_days: f64) -> f64 {
     const PRECESSION: [f64; 10] = [
         0.014506,
         4612.16471758,
@@ -86,9 +88,9 @@ pub(super) fn sidereal_time(ut: Julian, tt: Julian) -> f64 {
         7.77027359523e-15,
         1.19451841024e-16,
     ];
-    let t = tt.centuries();
+    let t = tt_days * (1.0 / CENTURY);
     // ERA = 2 pi (0.779... + 1.0027... days): whole turns are left out before they cost digits.
-    let rotation = TAU * (0.7790572732640 + (ut.fraction - 0.5) + 0.00273781191135448 * ut.days());
+    let rotation = TAU * (0.7790572732640 + (fraction - 0.5) + 0.00273781191135448 * ut_days);
     rotation + PRECESSION.iter().rev().fold(0.0, |sum, c| sum * t + c) * ARCSEC
 }
 

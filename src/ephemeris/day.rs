@@ -35,7 +35,9 @@ pub(super) fn place(instant: &Instant) -> (Place, f64) {
     let hour_angle = TAU * ut.fraction - PI + equation_of_time;
     let mean_longitude = spa::mean_longitude(instant.tt().centuries() / 10.0);
     let place = Place {
-        from_mean: half_turn(spa::sidereal_time(ut) - hour_angle - mean_longitude),
+        from_mean: half_turn(
+            spa::sidereal_time(ut.fraction, ut.days()) - hour_angle - mean_longitude,
+        ),
         mean_longitude,
         declination,
         distance_au: 1.0 / inverse_square.sqrt(),

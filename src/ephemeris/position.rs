@@ -1,15 +1,17 @@
 //! From the sun's geocentric place to what an observer sees.
 
-use super::place::{Place, full_turn, half_turn};
+use std::f64::consts::TAU;
+
+use super::place::{Place, half_turn};
 use super::refraction::{air_mass, refraction};
-use super::series::sin_cos;
 use super::site::{Air, EARTH_RADIUS, Site};
 use super::time::{Instant, Julian};
+use super::trigonometry::{arctangent, sin_cos};
 use super::{Tier, arcsecond, day, minute, spa};
 use crate::units::{DEG, SUN_DIAMETER};
 
-/// The astronomical unit [m] (IAU 2012).
-const ASTRONOMICAL_UNIT: f64 = 149_597_870_700.0;
+/// The earth's equatorial radius [au]; the unit is 149 597 870 700 m (IAU 2012).
+pub(super) const EARTH_RADIUS_AU: f64 = EARTH_RADIUS / 149_597_870_700.0;
 
 /// The speed of the equator by the earth's rotation over that of light: diurnal aberration, 0.32 arcseconds.
 const ROTATION_SPEED: f64 = 7.292_115e-5 * EARTH_RADIUS / 299_792_458.0;
@@ -110,6 +112,51 @@ fn small_arcsine(x: f64) -> f64 {
     x * (1.0 + x * x * (1.0 / 6.0))
 }
 
+/// The mean sidereal time at Greenwich [rad] of a tier: the part of the day since midnight, which may be any number of
+/// days more than the truth, days since J2000.0 of universal and of terrestrial time.
+#[inline(always)]
+pub(super) fn mean_sidereal(tier: Tier, fraction: f64, ut_days: f64, tt_days: f64) -> f64 {
+    match tier {
+        Tier::Arcsecond => arcsecond::sidereal_time(fraction, ut_days, tt_days),
+        _ => spa::sidereal_time(fraction, ut_days),
+    }
+}
+
+/// The speed of the place by the earth's rotation over that of light, in the tier that knows of it.
+pub(super) fn aberration(tier: Tier, site: &Site) -> f64 {
+    if tier == Tier::Arcsecond {
+        ROTATION_SPEED * site.axial
+    } else {
+        0.0
+    }
+}
+
+/// Azimuth [rad] in [0, 2 pi) and true elevation [rad] from sine and cosine of hour angle and declination and the
+/// earth's radius in distances of the sun. Without a branch.
+#[inline(always)]
+pub(super) fn topocentric(
+    (sin_h, cos_h): (f64, f64),
+    (sin_d, cos_d): (f64, f64),
+    radii: f64,
+    aberration: f64,
+    site: &Site,
+) -> (f64, f64) {
+    // Axes of the meridian: outward in the equator's plane, east, and north along the earth's axis.
+    let outward = cos_d * cos_h - radii * site.axial;
+    let east = aberration - cos_d * sin_h;
+    let along = sin_d - radii * site.polar;
+    let north = along * site.cos_latitude - outward * site.sin_latitude;
+    let up = along * site.sin_latitude + outward * site.cos_latitude;
+
+    let angle = arctangent(east, north);
+    let azimuth = if angle < 0.0 { angle + TAU } else { angle };
+    (
+        // A hair west of north rounds to a whole turn.
+        if azimuth < TAU { azimuth } else { 0.0 },
+        arctangent(up, (east * east + north * north).sqrt()),
+    )
+}
+
 /// What an observer sees of a geocentric place.
 pub(super) fn observe(
     tier: Tier,
@@ -119,37 +166,23 @@ pub(super) fn observe(
     site: &Site,
     air: &Air,
 ) -> SunPosition {
-    let mean_sidereal = match tier {
-        Tier::Arcsecond => arcsecond::sidereal_time(instant.ut(), instant.tt()),
-        _ => spa::sidereal_time(instant.ut()),
-    };
-    let sidereal = mean_sidereal + place.equation_of_equinoxes;
+    let (ut, tt) = (instant.ut(), instant.tt());
+    let sidereal =
+        mean_sidereal(tier, ut.fraction, ut.days(), tt.days()) + place.equation_of_equinoxes;
     let longitude = site.longitude_deg() * DEG;
     let hour_angle = half_turn(sidereal + longitude - place.mean_longitude - place.from_mean);
 
     let nearness = 1.0 / place.distance_au;
-    // Axes of the meridian: outward in the equator's plane, east, and north along the earth's axis.
-    let [(sin_h, cos_h), (sin_d, cos_d)] = sin_cos([hour_angle, place.declination]);
+    let [h, d] = sin_cos([hour_angle, place.declination]);
     let radii = if tier == Tier::Day {
         0.0
     } else {
-        EARTH_RADIUS / ASTRONOMICAL_UNIT * nearness
+        EARTH_RADIUS_AU * nearness
     };
-    let outward = cos_d * cos_h - radii * site.axial;
-    let aberration = if tier == Tier::Arcsecond {
-        ROTATION_SPEED * site.axial
-    } else {
-        0.0
-    };
-    let east = aberration - cos_d * sin_h;
-    let along = sin_d - radii * site.polar;
-    let north = along * site.cos_latitude - outward * site.sin_latitude;
-    let up = along * site.sin_latitude + outward * site.cos_latitude;
-
-    let elevation_true = up.atan2((east * east + north * north).sqrt());
+    let (azimuth, elevation_true) = topocentric(h, d, radii, aberration(tier, site), site);
     let elevation_apparent = elevation_true + refraction(elevation_true, air);
     SunPosition {
-        azimuth: full_turn(east.atan2(north)),
+        azimuth,
         elevation_true,
         elevation_apparent,
         declination: place.declination,

@@ -1,7 +1,7 @@
 //! How air lifts the sun: true to apparent elevation and back, and the mass of air that its light crosses.
 
-use super::series::sin_cos;
 use super::site::Air;
+use super::trigonometry::sin_cos;
 use crate::units::DEG;
 
 /// Below this true elevation [degrees] the lift is zero; the formula itself reaches zero here.
@@ -23,14 +23,19 @@ pub(super) fn density(pressure_hpa: f64, temperature_c: f64) -> f64 {
 /// on until its own argument passes 90 degrees, where it is zero, at -5.0016 degrees. Near the horizon the real lift
 /// varies by minutes of arc with the weather, and no formula of pressure and temperature knows it.
 pub fn refraction(elevation_true: f64, air: &Air) -> f64 {
-    let e = elevation_true * (1.0 / DEG);
-    if e <= FOOT_DEG {
-        return 0.0;
-    }
+    lift(elevation_true, air)
+}
+
+/// [`refraction`], without a branch, for loops.
+#[inline(always)]
+pub(super) fn lift(elevation_true: f64, air: &Air) -> f64 {
+    let degrees = elevation_true * (1.0 / DEG);
+    let e = if degrees > FOOT_DEG { degrees } else { 0.0 };
     let argument = (e + 10.3 / (e + 5.11)) * DEG;
     // 1 / tan as cos / sin: it passes through zero at 90 degrees.
     let [(sin, cos)] = sin_cos([argument]);
-    air.density * 1.02 / 60.0 * DEG * cos / sin
+    let lift = air.density * 1.02 / 60.0 * DEG * cos / sin;
+    if degrees > FOOT_DEG { lift } else { 0.0 }
 }
 
 /// The true elevation [rad] of what is seen at an apparent elevation [rad]: the inverse of [`refraction`].

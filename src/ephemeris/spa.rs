@@ -7,9 +7,10 @@
 //! report's.
 
 use super::place::Place;
-use super::series::{periodic, sin_cos};
+use super::series::periodic;
 use super::spa_terms::{B, L, NUTATION, R};
-use super::time::Julian;
+use super::time::{CENTURY, Julian};
+use super::trigonometry::sin_cos;
 use crate::units::{ARCSEC, DEG};
 
 /// The sun's geocentric apparent place at a terrestrial time.
@@ -69,6 +70,7 @@ fn mean_obliquity(millennia: f64) -> f64 {
 }
 
 /// The sun's mean longitude [rad], of which the equation of time counts (appendix A.1).
+#[inline(always)]
 pub(super) fn mean_longitude(millennia: f64) -> f64 {
     let m = millennia;
     let degrees = 280.466_456_7
@@ -78,14 +80,15 @@ pub(super) fn mean_longitude(millennia: f64) -> f64 {
     degrees * DEG
 }
 
-/// The mean sidereal time at Greenwich [rad] (equation 28).
-pub(super) fn sidereal_time(ut: Julian) -> f64 {
-    let t = ut.centuries();
+/// The mean sidereal time at Greenwich [rad] (equation 28), of the part of the day and the days since J2000.0 (UT).
+#[inline(always)]
+pub(super) fn sidereal_time(fraction: f64, days: f64) -> f64 {
+    let t = days * (1.0 / CENTURY);
     // 360.98564736629 degrees a day, of which the whole turns are never multiplied out: what counts is the time since
     // noon, when J2000.0 was.
     (280.460_618_37
-        + 360.0 * (ut.fraction - 0.5)
-        + 0.985_647_366_29 * ut.days()
+        + 360.0 * (fraction - 0.5)
+        + 0.985_647_366_29 * days
         + t * t * (0.000_387_933 - t * (1.0 / 38_710_000.0)))
         * DEG
 }
@@ -127,7 +130,8 @@ mod tests {
         let place = place(tt);
         near(place.right_ascension() / DEG, 202.227_41, 5e-6);
         near(place.declination / DEG, -9.314_34, 5e-6);
-        let sidereal = sidereal_time(example().ut()) + place.equation_of_equinoxes;
+        let ut = example().ut();
+        let sidereal = sidereal_time(ut.fraction, ut.days()) + place.equation_of_equinoxes;
         near((sidereal / DEG).rem_euclid(360.0), 318.511_91, 5e-6);
     }
 }

@@ -208,6 +208,14 @@ impl Instant {
         }
     }
 
+    /// The instant so many days later in universal and in terrestrial time.
+    pub(super) fn later(self, ut_days: f64, tt_days: f64) -> Self {
+        Self {
+            ut: Julian::new(self.ut.day, self.ut.fraction + ut_days),
+            tt: Julian::new(self.tt.day, self.tt.fraction + tt_days),
+        }
+    }
+
     /// Universal time, UT1 (and UTC, which is taken as UT1).
     pub fn ut(&self) -> Julian {
         self.ut

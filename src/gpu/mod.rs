@@ -12,6 +12,7 @@ mod pipeline;
 mod render;
 mod scene;
 mod shared;
+pub mod sky_map;
 mod timer;
 
 pub use device::{Choice, Device, Traffic};

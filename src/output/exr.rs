@@ -1,11 +1,11 @@
 //! The picture file: everything that was computed, in numbers, in one OpenEXR part.
 //!
-//! Scan lines from the top, ZIP16, every channel 32-bit float, since the sun's disc (1.6e9 cd/m2) overflows half.
+//! Scan lines from the top, ZIP16 (PIZ for a map), every channel 32-bit float, since the sun's disc (1.6e9 cd/m2) overflows half.
 //!
 //! | channels | what |
 //! |---|---|
 //! | `R` `G` `B` | the picture: the sum of all layers [cd/m2] |
-//! | `Z` | distance along the ray [m], 1e10 where nothing is hit |
+//! | `Z` | distance along the ray [m], 1e10 where nothing is hit; not in maps |
 //! | `sun.R` ... `inscatter_lights.B` | the layers of [`LAYERS`](crate::frame::LAYERS) [cd/m2]; zero where one was not run |
 //! | `transmittance.R` `.G` `.B` | share of light that the air lets through |
 //! | `normal.X` `.Y` `.Z` | unit normal, scene axes |
@@ -36,7 +36,7 @@ use std::path::Path;
 /// The program, as files name it.
 pub const SOFTWARE: &str = concat!("tyndall ", env!("CARGO_PKG_VERSION"));
 
-/// Writes `frame` with those of its layers that `layers` names (see [`super::select_layers`]).
+/// Writes `frame` with those of its layers that `layers` names (see [`super::select_layers`]): of a map, those of colour alone.
 ///
 /// Beside the frame this needs memory for a few blocks of 16 rows alone.
 ///
@@ -53,7 +53,11 @@ pub fn write(
         (frame.width as usize, frame.height as usize),
         attributes(frame, space),
         Encoding {
-            compression: Compression::ZIP16,
+            compression: match frame.is_map() {
+                // On skies half the time and a fifth smaller; every reader built on OpenEXR takes it.
+                true => Compression::PIZ,
+                false => Compression::ZIP16,
+            },
             blocks: Blocks::ScanLines,
             line_order: LineOrder::Increasing,
         },
@@ -151,7 +155,9 @@ fn channels<'f>(
             add(format!("normal.{letter}"), source);
         }
     }
-    add("Z".into(), Source::Depth(&frame.depth));
+    if !frame.is_map() {
+        add("Z".into(), Source::Depth(&frame.depth));
+    }
     channels
 }
 

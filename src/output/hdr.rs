@@ -7,6 +7,7 @@
 use super::{OutputSpace, atomic};
 use crate::error::Result;
 use crate::frame::Frame;
+use rayon::prelude::*;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -30,13 +31,21 @@ pub fn write(path: &Path, frame: &Frame, space: &OutputSpace) -> Result<()> {
         write!(out, "\nFORMAT=32-bit_rle_rgbe\n\n")?;
         writeln!(out, "-Y {} +X {}", frame.height, frame.width)?;
         let width = frame.width as usize;
-        let mut row = vec![[0; 4]; width];
-        for y in 0..frame.height as usize {
-            for (x, texel) in row.iter_mut().enumerate() {
-                let colour = space.from_working * frame.picture(y * width + x);
-                *texel = rgbe((colour / WHITE_EFFICACY).to_array());
-            }
-            write_row(&mut out, &row)?;
+        // Rows are encoded on all cores, as many at once as stay small.
+        const ROWS: usize = 64;
+        let rows: Vec<usize> = (0..frame.height as usize).collect();
+        for rows in rows.chunks(ROWS) {
+            let encoded: Vec<Vec<u8>> = rows
+                .par_iter()
+                .map(|y| {
+                    let texels = (y * width..(y + 1) * width).map(|i| {
+                        let colour = space.from_working * frame.picture(i);
+                        rgbe((colour / WHITE_EFFICACY).to_array())
+                    });
+                    encoded_row(&texels.collect::<Vec<_>>())
+                })
+                .collect();
+            encoded.iter().try_for_each(|row| out.write_all(row))?;
         }
         out.flush()
     })
@@ -48,33 +57,29 @@ fn rgbe(rgb: [f64; 3]) -> [u8; 4] {
     if largest < 1e-38 {
         return [0; 4];
     }
-    let mut exponent = largest.log2().floor() as i32 + 1;
-    // log2 may round up to a power of two that it does not reach, or the reverse.
-    if largest >= 2f64.powi(exponent) {
-        exponent += 1;
-    } else if largest < 2f64.powi(exponent - 1) {
-        exponent -= 1;
-    }
-    let scale = 256.0 / 2f64.powi(exponent);
+    // An f64's own exponent is one less and biased by 1023.
+    let exponent = (largest.to_bits() >> 52) as i32 - 1022;
+    let scale = f64::from_bits(((1023 + 8 - exponent) as u64) << 52);
     // A float becomes an integer by saturation: what is negative becomes zero.
     let [r, g, b] = rgb.map(|c| (c * scale) as u8);
     [r, g, b, (exponent + 128) as u8]
 }
 
 /// One row, the four components apart, each in runs; rows too short or long for that are written flat.
-fn write_row(out: &mut impl Write, row: &[[u8; 4]]) -> std::io::Result<()> {
+fn encoded_row(row: &[[u8; 4]]) -> Vec<u8> {
     if !(8..0x8000).contains(&row.len()) {
-        return row.iter().try_for_each(|texel| out.write_all(texel));
+        return row.concat();
     }
     let length = row.len() as u16;
-    out.write_all(&[2, 2, (length >> 8) as u8, length as u8])?;
+    let mut out = Vec::with_capacity(2 * row.len());
+    out.extend([2, 2, (length >> 8) as u8, length as u8]);
     for component in 0..4 {
         let bytes: Vec<u8> = row.iter().map(|texel| texel[component]).collect();
         let mut rest = &bytes[..];
         while let Some(first) = rest.first() {
             let run = rest.iter().take(127).take_while(|b| *b == first).count();
             if run >= 4 {
-                out.write_all(&[128 + run as u8, *first])?;
+                out.extend([128 + run as u8, *first]);
                 rest = &rest[run..];
             } else {
                 let mut literal = run;
@@ -86,13 +91,13 @@ fn write_row(out: &mut impl Write, row: &[[u8; 4]]) -> std::io::Result<()> {
                 {
                     literal += 1;
                 }
-                out.write_all(&[literal as u8])?;
-                out.write_all(&rest[..literal])?;
+                out.push(literal as u8);
+                out.extend(&rest[..literal]);
                 rest = &rest[literal..];
             }
         }
     }
-    Ok(())
+    out
 }
 
 #[cfg(test)]

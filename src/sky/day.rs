@@ -13,19 +13,26 @@ use super::perez::{self, Bins, State};
 use super::preetham::{self, Preetham};
 use super::twilight::smoothstep;
 use super::{Irradiance, Model, angle_between, hemisphere};
-use crate::colour::{Space, XYZ_FROM_WORKING, into_gamut, working_from_xyz, xyz_from_xyy};
+use crate::colour::{
+    Space, WORKING_FROM_XYZ, into_gamut, luminance, working_from_xyz, xyz_from_working,
+    xyz_from_xyy,
+};
 use crate::error::Result;
 use crate::units::DEG;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3Swizzles};
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
-static XYZ_FROM_REC709: LazyLock<DMat3> =
-    LazyLock::new(|| XYZ_FROM_WORKING * Space::Rec709.to_working());
+static WORKING_FROM_REC709: LazyLock<DMat3> = LazyLock::new(|| Space::Rec709.to_working());
 
 /// Chromaticity x, y of an overcast sky: 6 191 K on the daylight locus (Diakite-Kindel & Knoop, as in Radiance's gendaylit).
 pub const OVERCAST_XY: [f64; 2] = [0.318_1, 0.334_2];
+
+static OVERCAST: LazyLock<DVec3> = LazyLock::new(|| {
+    let [x, y] = OVERCAST_XY;
+    working_from_xyz(xyz_from_xyy(DVec3::new(x, y, 1.0)))
+});
 
 /// The ground's albedo for the colour of the skies that have none of their own.
 const COLOUR_ALBEDO: f64 = 0.2;
@@ -37,6 +44,9 @@ const CLEAR_BEAM: f64 = 0.7;
 #[derive(Debug, Clone)]
 pub struct Day {
     form: Form,
+    working_from_rec709: DMat3,
+    /// RGB in the working space of one cd/m2 of [`OVERCAST_XY`].
+    overcast: DVec3,
     /// How much of the light comes from clouds [1].
     pub grey: f64,
     /// How much of the sun clouds hide [1].
@@ -50,6 +60,7 @@ pub struct Day {
 #[derive(Debug, Clone)]
 enum Form {
     Preetham(Preetham),
+    /// RGB in the working space.
     Uniform(DVec3),
     Hosek(Hosek),
     /// Luminance [cd/m2] as a sum of two gradations, and whence the colour.
@@ -93,8 +104,7 @@ impl Day {
                 Ok(Day::plain(Form::Hosek(Hosek::new(turbidity, albedo, sun.elevation())?)))
             }
             Model::Uniform { luminance } => {
-                let [x, y] = Space::WORKING.chromaticities().white;
-                Ok(Day::plain(Form::Uniform(xyz_from_xyy(DVec3::new(x, y, luminance)))))
+                Ok(Day::plain(Form::Uniform(DVec3::splat(luminance))))
             }
             Model::Perez { turbidity, irradiance } => Day::perez(turbidity, irradiance, sun, bins),
             Model::Cie { kind, turbidity, irradiance } => {
@@ -106,6 +116,8 @@ impl Day {
     fn plain(form: Form) -> Self {
         Day {
             form,
+            working_from_rec709: *WORKING_FROM_REC709,
+            overcast: *OVERCAST,
             grey: 0.0,
             hidden: 0.0,
             direct_normal: None,
@@ -145,12 +157,12 @@ impl Day {
             );
         }
         Ok(Day {
-            form: Form::Luminance { parts, clear, grey },
             grey,
             hidden: grey,
             direct_normal: measured
                 .map(|m| m.direct_normal * state.direct_efficacy(perez::WATER_CM)),
             warnings,
+            ..Day::plain(Form::Luminance { parts, clear, grey })
         })
     }
 
@@ -179,48 +191,190 @@ impl Day {
         );
         let grey = kind.cloud_share();
         Ok(Day {
-            form: Form::Luminance { parts, clear, grey },
             grey,
             hidden: if kind.hides_sun() { 1.0 } else { 0.0 },
             direct_normal: state.map(|(m, s)| m.direct_normal * s.direct_efficacy(perez::WATER_CM)),
-            warnings: Vec::new(),
+            ..Day::plain(Form::Luminance { parts, clear, grey })
         })
     }
 
-    /// XYZ [cd/m2] toward `w` with the sun toward `s`, unit vectors, +Y up: the model as it is, its colours not fitted to a gamut.
-    pub fn xyz(&self, w: DVec3, s: DVec3) -> DVec3 {
-        let cos_theta = w.y;
+    /// What depends on the height of a direction alone, by the cosine of its zenith angle.
+    pub fn over_height(&self, cos_theta: f64) -> Height {
         match &self.form {
-            Form::Uniform(xyz) => *xyz,
-            Form::Preetham(form) => {
-                let (gamma, cos_gamma) = angle_between(w, s);
-                xyz_from_xyy(form.xyy(cos_theta, gamma, cos_gamma))
+            Form::Uniform(rgb) => Height {
+                luminance: [0.0; 2],
+                factor: *rgb,
+                addend: DVec3::ZERO,
+            },
+            Form::Preetham(form) => Height {
+                luminance: [0.0; 2],
+                factor: form.over_height(cos_theta),
+                addend: DVec3::ZERO,
+            },
+            Form::Hosek(form) => Height::new([0.0; 2], form.over_height(cos_theta)),
+            Form::Luminance { parts, clear, .. } => Height::new(
+                parts.map(|(gradation, scale)| match scale > 0.0 {
+                    true => scale * gradation.gradation(cos_theta),
+                    false => 0.0,
+                }),
+                clear.over_height(cos_theta),
+            ),
+        }
+    }
+
+    /// What depends on the angle from the sun alone [rad].
+    pub fn around_sun(&self, gamma: f64, cos_gamma: f64) -> Around {
+        match &self.form {
+            Form::Uniform(_) => Around::default(),
+            Form::Preetham(form) => Around {
+                luminance: [0.0; 2],
+                colour: form.around_sun(gamma, cos_gamma),
+            },
+            Form::Hosek(form) => Around {
+                luminance: [0.0; 2],
+                colour: form.around_sun(gamma, cos_gamma),
+            },
+            Form::Luminance { parts, clear, .. } => Around {
+                luminance: parts.map(|(gradation, scale)| match scale > 0.0 {
+                    true => gradation.indicatrix(gamma, cos_gamma),
+                    false => 0.0,
+                }),
+                colour: clear.around_sun(gamma, cos_gamma),
+            },
+        }
+    }
+
+    /// RGB in the working space, not yet fitted to its gamut, where both are known: every model is a product of the two, or
+    /// nearly so.
+    #[inline(always)]
+    fn join(&self, height: &Height, around: &Around) -> DVec3 {
+        let rec709 = || height.factor * (around.colour + height.addend);
+        match &self.form {
+            Form::Uniform(_) => height.factor,
+            Form::Preetham(_) => {
+                working_from_xyz(xyz_from_xyy((height.factor * around.colour).yzx()))
             }
-            Form::Hosek(form) => {
-                let (gamma, cos_gamma) = angle_between(w, s);
-                *XYZ_FROM_REC709 * form.rec709(cos_theta, gamma, cos_gamma)
-            }
-            Form::Luminance { parts, clear, grey } => {
-                let (gamma, cos_gamma) = angle_between(w, s);
-                let mut luminance = 0.0;
-                for (gradation, scale) in parts {
-                    if *scale > 0.0 {
-                        luminance += scale * gradation.value(cos_theta, gamma, cos_gamma).max(0.0);
-                    }
-                }
-                let overcast = DVec3::new(OVERCAST_XY[0], OVERCAST_XY[1], luminance);
+            Form::Hosek(_) => self.working_from_rec709 * rec709(),
+            Form::Luminance { grey, .. } => {
+                let [first, second] = height.luminance;
+                let [a, b] = around.luminance;
+                let wanted = (first * a).max(0.0) + (second * b).max(0.0);
+                let overcast = self.overcast * wanted;
                 if *grey == 1.0 {
-                    return xyz_from_xyy(overcast);
+                    return overcast;
                 }
-                let colour = *XYZ_FROM_REC709 * clear.rec709(cos_theta, gamma, cos_gamma);
-                (colour * (luminance / colour.y)).lerp(xyz_from_xyy(overcast), *grey)
+                let colour = self.working_from_rec709 * rec709();
+                (colour * (wanted / luminance(colour))).lerp(overcast, *grey)
             }
         }
     }
 
+    /// XYZ [cd/m2] toward `w` with the sun toward `s`, unit vectors, +Y up: the model as it is, its colours not fitted to a gamut.
+    pub fn xyz(&self, w: DVec3, s: DVec3) -> DVec3 {
+        let (gamma, cos_gamma) = angle_between(w, s);
+        xyz_from_working(self.join(&self.over_height(w.y), &self.around_sun(gamma, cos_gamma)))
+    }
+
     /// Radiance, RGB in the working space, no channel negative, toward `w` with the sun toward `s`.
     pub fn seen(&self, w: DVec3, s: DVec3) -> DVec3 {
-        into_gamut(working_from_xyz(self.xyz(w, s)))
+        let (gamma, cos_gamma) = angle_between(w, s);
+        self.seen_at(&self.over_height(w.y), &self.around_sun(gamma, cos_gamma))
+    }
+
+    /// The same where height and angle from the sun are known.
+    #[inline(always)]
+    pub fn seen_at(&self, height: &Height, around: &Around) -> DVec3 {
+        into_gamut(self.join(height, around))
+    }
+}
+
+/// A day as numbers, for [`Sky::table`](super::Sky).
+impl Day {
+    /// 1 where the five factors give Y, x, y by the last three; 2 where these are Rec. 709; 3 where they are, of a luminance
+    /// that the first two give.
+    pub(super) fn form_number(&self) -> f64 {
+        match self.form {
+            Form::Preetham(_) => 1.0,
+            Form::Hosek(_) | Form::Uniform(_) => 2.0,
+            Form::Luminance { .. } => 3.0,
+        }
+    }
+
+    /// RGB in the working space of one cd/m2 of an overcast sky.
+    pub(super) fn overcast(&self) -> DVec3 {
+        self.overcast
+    }
+
+    /// From the model's own colours to the working space.
+    pub(super) fn working_from_own(&self) -> DMat3 {
+        match self.form {
+            Form::Preetham(_) => WORKING_FROM_XYZ,
+            Form::Uniform(_) => DMat3::IDENTITY,
+            _ => self.working_from_rec709,
+        }
+    }
+
+    /// Coefficients of [`Self::over_height`]: s, a, b, o, c, h of two luminances and three colours.
+    pub(super) fn factors(&self) -> [[f64; 6]; 5] {
+        let mut factors = [[0.0; 6]; 5];
+        let colours = match &self.form {
+            Form::Preetham(form) => form.coefficients(),
+            Form::Hosek(form) => form.coefficients(),
+            // A sky of even luminance is made without a day.
+            Form::Uniform(_) => [[0.0; 6]; 3],
+            Form::Luminance { parts, clear, .. } => {
+                for (factor, (gradation, scale)) in factors.iter_mut().zip(parts) {
+                    let [s, a, b, o, c] = gradation.coefficients();
+                    *factor = [s * scale, a, b, o, c, 0.0];
+                }
+                clear.coefficients()
+            }
+        };
+        factors[2..].copy_from_slice(&colours);
+        factors
+    }
+}
+
+/// What a model needs of a direction's height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Height {
+    /// Factors of the luminance of both gradations [cd/m2].
+    luminance: [f64; 2],
+    /// Factor and addend of the colour.
+    factor: DVec3,
+    addend: DVec3,
+}
+
+impl Height {
+    fn new(luminance: [f64; 2], (factor, addend): (DVec3, DVec3)) -> Self {
+        Height {
+            luminance,
+            factor,
+            addend,
+        }
+    }
+}
+
+/// What a model needs of a direction's angle from the sun [1]. A smooth function of that angle.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Around {
+    luminance: [f64; 2],
+    colour: DVec3,
+}
+
+impl Around {
+    /// As plain numbers, to be interpolated.
+    pub fn to_array(self) -> [f64; 5] {
+        let ([a, b], [x, y, z]) = (self.luminance, self.colour.to_array());
+        [a, b, x, y, z]
+    }
+
+    /// From [`Self::to_array`].
+    pub fn from_array([a, b, x, y, z]: [f64; 5]) -> Self {
+        Around {
+            luminance: [a, b],
+            colour: DVec3::new(x, y, z),
+        }
     }
 }
 

@@ -65,14 +65,28 @@ impl Gradation {
 
     /// The value [1], relative: toward a direction of zenith-angle cosine `cos_theta` at angle `gamma` [rad] from the sun.
     pub fn value(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> f64 {
+        self.gradation(cos_theta) * self.indicatrix(gamma, cos_gamma)
+    }
+
+    /// The first factor [1], over the cosine of the zenith angle.
+    pub fn gradation(&self, cos_theta: f64) -> f64 {
         if self.traditional {
             return (1.0 + 2.0 * cos_theta.max(0.0)) / 3.0;
         }
-        let gradation = 1.0 + self.a * (self.b / cos_theta.max(COSINE_FLOOR)).exp();
-        gradation * self.indicatrix(gamma, cos_gamma)
+        1.0 + self.a * (self.b / cos_theta.max(COSINE_FLOOR)).exp()
     }
 
-    /// The second factor [1].
+    /// Coefficients s, a, b, o, c of the first factor in the form s (1 + a e^(b / max(x + o, [`COSINE_FLOOR`])) + c x), x being
+    /// the cosine of the zenith angle.
+    pub(super) fn coefficients(&self) -> [f64; 5] {
+        if self.traditional {
+            [1.0 / 3.0, 0.0, 0.0, 0.0, 2.0]
+        } else {
+            [1.0, self.a, self.b, 0.0, 0.0]
+        }
+    }
+
+    /// The second factor [1], over the angle from the sun [rad] and its cosine; 1 for the traditional overcast sky.
     pub fn indicatrix(&self, gamma: f64, cos_gamma: f64) -> f64 {
         1.0 + self.c * ((self.d * gamma).exp() - self.e0) + self.e * cos_gamma * cos_gamma
     }

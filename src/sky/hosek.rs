@@ -99,16 +99,39 @@ impl Hosek {
 
     /// Linear Rec. 709 [cd/m2] toward zenith-angle cosine `cos_theta` >= 0 at angle `gamma` [rad] from the sun.
     pub fn rec709(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> DVec3 {
+        let (factor, addend) = self.over_height(cos_theta);
+        factor * (self.around_sun(gamma, cos_gamma) + addend)
+    }
+
+    /// What depends on height alone: a factor [cd/m2], and an addend to [`Self::around_sun`] [1].
+    pub fn over_height(&self, cos_theta: f64) -> (DVec3, DVec3) {
         let cos_theta = cos_theta.max(0.0);
         let zenith = cos_theta.sqrt();
+        let channels = |f: &dyn Fn(usize) -> f64| DVec3::new(f(0), f(1), f(2));
+        let factor = channels(&|c| {
+            let [a, b, ..] = self.parameters[c];
+            self.radiance[c] * (1.0 + a * (b / (cos_theta + 0.01)).exp())
+        });
+        (factor, channels(&|c| self.parameters[c][7] * zenith))
+    }
+
+    /// Coefficients of what depends on height, per channel: s, a, b, o, c as of [`super::gradation::Gradation`], and h of the
+    /// addend h sqrt(x).
+    pub(super) fn coefficients(&self) -> [[f64; 6]; 3] {
+        std::array::from_fn(|c| {
+            let [a, b, .., h, _] = self.parameters[c];
+            [self.radiance[c], a, b, 0.01, 0.0, h]
+        })
+    }
+
+    /// What depends on the angle from the sun [rad] alone [1].
+    pub fn around_sun(&self, gamma: f64, cos_gamma: f64) -> DVec3 {
         let cos2 = cos_gamma * cos_gamma;
         let channel = |c: usize| {
-            let [a, b, base, d, e, f, g, h, i] = self.parameters[c];
+            let [_, _, base, d, e, f, g, _, i] = self.parameters[c];
             let base_of_mie = 1.0 + i * i - 2.0 * i * cos_gamma;
             let mie = (1.0 + cos2) / (base_of_mie * base_of_mie.sqrt());
-            let horizon = 1.0 + a * (b / (cos_theta + 0.01)).exp();
-            let rest = base + d * (e * gamma).exp() + f * cos2 + g * mie + h * zenith;
-            self.radiance[c] * horizon * rest
+            base + d * (e * gamma).exp() + f * cos2 + g * mie
         };
         DVec3::new(channel(0), channel(1), channel(2))
     }

@@ -1,9 +1,11 @@
 //! Maps of the whole sky: where a texel looks, what it sees, and the sun's disc with its full energy.
 
+use super::circles::Circles;
 use super::{Sky, SunLight};
 use crate::colour::luminance;
 use crate::error::{Error, Result};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How directions lie in a map. Texel (0, 0) is at the top left.
@@ -31,6 +33,38 @@ pub struct Map {
 
 /// Points that the sun's disc is made of: a texel that it covers in full gets some hundred of them at 8 192 texels around.
 const DISC_POINTS: u32 = 1 << 16;
+
+/// Paints the rows of a map, on as many cores as one likes.
+pub struct Painter<'s> {
+    map: Map,
+    sky: &'s Sky,
+    ground: Vec3,
+    /// The rows of an equirectangular map are circles of equal elevation.
+    circles: Option<Circles<'s>>,
+}
+
+impl Painter<'_> {
+    /// Paints row `y` into as many texels as the map is wide; within 1e-6 of [`Sky::radiance`].
+    pub fn row(&self, y: u32, texels: &mut [Vec3]) {
+        let middle = f64::from(y) + 0.5;
+        if let Some(circles) = &self.circles {
+            let elevation = (0.5 - middle / f64::from(self.map.height)) * PI;
+            if elevation < 0.0 {
+                texels.fill(self.ground);
+            } else {
+                circles.radiances(elevation, texels);
+            }
+            return;
+        }
+        for (x, texel) in texels.iter_mut().enumerate() {
+            *texel = match self.map.direction(x as f64 + 0.5, middle) {
+                None => Vec3::ZERO,
+                Some(d) if d.y < 0.0 => self.ground,
+                Some(d) => self.sky.radiance(d).as_vec3(),
+            };
+        }
+    }
+}
 
 impl Map {
     /// A map of that size.
@@ -70,12 +104,12 @@ impl Map {
                 Some(DVec3::new(ce * sa, se, -ce * ca))
             }
             Projection::Fisheye => {
-                let p = DVec2::new(2.0 * x / w - 1.0, 2.0 * y / h - 1.0);
-                let r = p.length();
-                if r > 1.0 {
+                // Whether a texel's middle is within the circle is a question of whole numbers.
+                let p = DVec2::new(2.0 * x - w, 2.0 * y - h);
+                if p.length_squared() > w * w {
                     return None;
                 }
-                let (st, ct) = (r * FRAC_PI_2).sin_cos();
+                let (st, ct) = (p.length() / w * FRAC_PI_2).sin_cos();
                 let flat = p.normalize_or_zero() * st;
                 Some(DVec3::new(-flat.x, ct, flat.y))
             }
@@ -168,17 +202,31 @@ impl Map {
         }
     }
 
-    /// One row of the map without the sun's disc: RGB in the working space [cd/m2]; `ground` below the horizon, black outside.
-    pub fn row(&self, y: u32, sky: &Sky, ground: DVec3) -> Vec<DVec3> {
-        (0..self.width)
-            .map(
-                |x| match self.direction(f64::from(x) + 0.5, f64::from(y) + 0.5) {
-                    None => DVec3::ZERO,
-                    Some(d) if d.y < 0.0 => ground,
-                    Some(d) => sky.radiance(d),
-                },
-            )
-            .collect()
+    /// What paints the map's rows, without the sun's disc: RGB in the working space [cd/m2]; `ground` below the horizon,
+    /// black outside the circle of a fisheye.
+    pub fn painter<'s>(&self, sky: &'s Sky, ground: DVec3) -> Painter<'s> {
+        let width = f64::from(self.width);
+        let azimuths = (0..self.width).map(|x| ((f64::from(x) + 0.5) / width - 0.5) * 2.0 * PI);
+        Painter {
+            map: *self,
+            sky,
+            ground: ground.as_vec3(),
+            circles: (self.projection == Projection::Equirectangular)
+                .then(|| Circles::new(sky, azimuths)),
+        }
+    }
+
+    /// The whole map without the sun's disc, row by row, on all cores: see [`Self::painter`].
+    pub fn paint(&self, sky: &Sky, ground: DVec3) -> Vec<Vec3> {
+        let width = self.width as usize;
+        let painter = self.painter(sky, ground);
+        // Memory that is zero already is first touched, which costs, by the core that paints it.
+        let mut texels = bytemuck::zeroed_vec(width * self.height as usize);
+        texels
+            .par_chunks_mut(width)
+            .zip(0..self.height)
+            .for_each(|(row, y)| painter.row(y, row));
+        texels
     }
 
     /// What the sun's disc adds: texel index (y * width + x) and RGB in the working space [cd/m2].

@@ -13,6 +13,7 @@
 //! the night comes in, and is left alone below: stars and airglow, 6.4e-4 lx.
 
 pub mod cie;
+pub mod circles;
 pub mod day;
 pub mod gradation;
 pub mod hemisphere;
@@ -23,6 +24,7 @@ pub mod patches;
 pub mod perez;
 pub mod preetham;
 pub mod sun;
+mod table;
 pub mod twilight;
 
 pub use sun::{SunLight, SunPath};

@@ -7,7 +7,7 @@
 
 use super::gradation::Gradation;
 use crate::error::{Error, Result};
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Turbidities for which the fit can be used.
@@ -90,10 +90,30 @@ impl Preetham {
 
     /// (x, y, Y [cd/m2]) toward a direction of zenith-angle cosine `cos_theta` at angle `gamma` [rad] from the sun.
     pub fn xyy(&self, cos_theta: f64, gamma: f64, cos_gamma: f64) -> DVec3 {
-        let [luminance, x, y] = std::array::from_fn(|i| {
-            self.scale[i] * self.form[i].value(cos_theta, gamma, cos_gamma)
-        });
-        DVec3::new(x, y, luminance)
+        let factors = self.over_height(cos_theta) * self.around_sun(gamma, cos_gamma);
+        factors.yzx()
+    }
+
+    /// What depends on height alone: factors of Y [cd/m2], x, y.
+    pub fn over_height(&self, cos_theta: f64) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|i| {
+            self.scale[i] * self.form[i].gradation(cos_theta)
+        }))
+    }
+
+    /// Coefficients of what depends on height, of Y, x, y, as those of the Hosek-Wilkie sky.
+    pub(super) fn coefficients(&self) -> [[f64; 6]; 3] {
+        std::array::from_fn(|i| {
+            let [s, a, b, o, c] = self.form[i].coefficients();
+            [s * self.scale[i], a, b, o, c, 0.0]
+        })
+    }
+
+    /// What depends on the angle from the sun [rad] alone: factors of Y, x, y [1].
+    pub fn around_sun(&self, gamma: f64, cos_gamma: f64) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|i| {
+            self.form[i].indicatrix(gamma, cos_gamma)
+        }))
     }
 }
 

@@ -174,7 +174,7 @@ impl SunLight {
         let radius = (0.5 * SUN_DIAMETER / path.distance_au).asin();
         let (visible_share, elevation) = visible_part(path.elevation_apparent, radius);
         let air_mass = relative_air_mass(elevation);
-        let (xyz, irradiance) = through_air(path, elevation, air_mass);
+        let (xyz, irradiance) = through_air(&SPECTRUM, path, elevation, air_mass);
         let full_illuminance = into_gamut(working_from_xyz(xyz));
         Ok(SunLight {
             illuminance: full_illuminance * visible_share,
@@ -332,15 +332,59 @@ pub fn outside_the_atmosphere(distance_au: f64) -> DVec3 {
     working_from_xyz(xyz * LUMINOUS_EFFICACY) / (distance_au * distance_au)
 }
 
+/// XYZ [lx] of the whole disc's light on a plane that faces the sun, with every `merged` cells of the spectrum (5 nm in the
+/// visible) made one: what coarser bands would give. [`SunLight`] merges none.
+///
+/// Errors: [`Error::Domain`] when a quantity of `path` is outside its range, or `merged` is 0.
+pub fn in_bands(path: &SunPath, merged: usize) -> Result<DVec3> {
+    path.check()?;
+    if merged == 0 {
+        return Err(Error::domain(
+            "the cells of a band",
+            merged,
+            "1 and more",
+            "give 1 for 5 nm",
+        ));
+    }
+    let radius = (0.5 * SUN_DIAMETER / path.distance_au).asin();
+    let (_, elevation) = visible_part(path.elevation_apparent, radius);
+    let bands: Vec<Cell> = SPECTRUM.chunks(merged).map(Cell::merged).collect();
+    Ok(through_air(&bands, path, elevation, relative_air_mass(elevation)).0)
+}
+
+impl Cell {
+    /// One for several: what they hold of sunlight weighs their wavelengths and absorptions.
+    fn merged(cells: &[Cell]) -> Cell {
+        let width_nm = cells.iter().map(|c| c.width_nm).sum();
+        let energy: f64 = cells.iter().map(|c| c.irradiance * c.width_nm).sum();
+        let mean = |of: &dyn Fn(&Cell) -> f64| {
+            let sum: f64 = cells
+                .iter()
+                .map(|c| of(c) * c.irradiance * c.width_nm)
+                .sum();
+            sum / energy
+        };
+        Cell {
+            wavelength_um: mean(&|c| c.wavelength_um),
+            width_nm,
+            irradiance: energy / width_nm,
+            ozone: mean(&|c| c.ozone),
+            water: mean(&|c| c.water),
+            gas: mean(&|c| c.gas),
+            bar: DVec3::new(mean(&|c| c.bar.x), mean(&|c| c.bar.y), mean(&|c| c.bar.z)),
+        }
+    }
+}
+
 /// XYZ [lx] and irradiance [W/m2] on a plane facing the sun.
-fn through_air(path: &SunPath, elevation: f64, air_mass: f64) -> (DVec3, f64) {
+fn through_air(spectrum: &[Cell], path: &SunPath, elevation: f64, air_mass: f64) -> (DVec3, f64) {
     let pressure_mass = air_mass * path.pressure_hpa / STANDARD_PRESSURE_HPA;
     let layer = 22.0 / 6370.0;
     let ozone_mass = (1.0 + layer) / (elevation.sin().powi(2) + 2.0 * layer).sqrt();
     let beyond = 1.0 / (path.distance_au * path.distance_au);
     let mut xyz = DVec3::ZERO;
     let mut total = 0.0;
-    for cell in SPECTRUM.iter() {
+    for cell in spectrum {
         let rayleigh = pressure_mass * molecules(cell.wavelength_um);
         let aerosol = aerosol(cell.wavelength_um, path.turbidity) * air_mass;
         let ozone = cell.ozone * path.ozone_cm * ozone_mass;

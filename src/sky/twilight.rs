@@ -128,7 +128,7 @@ static TABLE: LazyLock<Vec<[f64; 6]>> = LazyLock::new(|| {
 const AEROSOL_G: f64 = 0.76;
 
 /// Points of the grid that is read per direction: over sqrt(sin(view elevation)) and over azimuth.
-const GRID: [usize; 2] = [64, 49];
+pub(super) const GRID: [usize; 2] = [64, 49];
 
 /// The clear sky while the sun is low or down, as radiance of no particular level.
 ///
@@ -185,21 +185,61 @@ impl Twilight {
     pub fn radiance(&self, direction: DVec3, toward_azimuth: DVec3, cos_gamma: f64) -> DVec3 {
         let along = direction.dot(toward_azimuth);
         let across = (direction.x * toward_azimuth.z - direction.z * toward_azimuth.x).abs();
-        let (i, u) = cell(
-            direction.y.clamp(0.0, 1.0).sqrt() * (GRID[0] - 1) as f64,
-            GRID[0],
-        );
-        let (j, v) = cell(across.atan2(along) / PI * (GRID[1] - 1) as f64, GRID[1]);
-        let at = |i: usize, j: usize, part: usize| self.grid[i * GRID[1] + j][part];
-        let bilinear = |part: usize| {
-            at(i, j, part)
-                .lerp(at(i, j + 1, part), v)
-                .lerp(at(i + 1, j, part).lerp(at(i + 1, j + 1, part), v), u)
+        let (i, u) = cell(height(direction.y), GRID[0]);
+        let (j, v) = azimuth_cell(across.atan2(along));
+        let at = |j: usize| {
+            mix(
+                self.grid[i * GRID[1] + j],
+                self.grid[(i + 1) * GRID[1] + j],
+                u,
+            )
         };
-        let d = 1.0 + AEROSOL_G * AEROSOL_G - 2.0 * AEROSOL_G * cos_gamma;
-        let phase = (1.0 - AEROSOL_G * AEROSOL_G) / (4.0 * PI * d * d.sqrt());
-        into_gamut(bilinear(0) + bilinear(1) * phase)
+        with_phase(mix(at(j), at(j + 1), v), cos_gamma)
     }
+
+    /// The whole grid, height by height: the smooth part and the aerosol's at each azimuth.
+    pub(super) fn grid(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.grid.iter().flatten().copied()
+    }
+
+    /// The grid at a height, by the sine of the elevation: to be read over azimuth by [`read`].
+    pub fn circle(&self, sine: f64) -> Vec<[DVec3; 2]> {
+        let (i, u) = cell(height(sine), GRID[0]);
+        (0..GRID[1])
+            .map(|j| {
+                mix(
+                    self.grid[i * GRID[1] + j],
+                    self.grid[(i + 1) * GRID[1] + j],
+                    u,
+                )
+            })
+            .collect()
+    }
+}
+
+/// Where an azimuth from the sun [rad], 0 to pi, falls in a [`Twilight::circle`]: the point before it, and the way to the next.
+pub fn azimuth_cell(azimuth: f64) -> (usize, f64) {
+    cell(azimuth / PI * (GRID[1] - 1) as f64, GRID[1])
+}
+
+/// What [`Twilight::radiance`] gives, read from a circle.
+#[inline]
+pub fn read(circle: &[[DVec3; 2]], (j, v): (usize, f64), cos_gamma: f64) -> DVec3 {
+    with_phase(mix(circle[j], circle[j + 1], v), cos_gamma)
+}
+
+fn height(sine: f64) -> f64 {
+    sine.clamp(0.0, 1.0).sqrt() * (GRID[0] - 1) as f64
+}
+
+fn mix(a: [DVec3; 2], b: [DVec3; 2], share: f64) -> [DVec3; 2] {
+    [a[0].lerp(b[0], share), a[1].lerp(b[1], share)]
+}
+
+fn with_phase([smooth, aerosol]: [DVec3; 2], cos_gamma: f64) -> DVec3 {
+    let d = 1.0 + AEROSOL_G * AEROSOL_G - 2.0 * AEROSOL_G * cos_gamma;
+    let phase = (1.0 - AEROSOL_G * AEROSOL_G) / (4.0 * PI * d * d.sqrt());
+    into_gamut(smooth + aerosol * phase)
 }
 
 /// The cell of a grid of `n` points that `x` falls in, and where in it.

@@ -6,7 +6,7 @@ use std::time::Instant as Clock;
 use rayon::prelude::*;
 
 use crate::ephemeris::{
-    Air, Almanac, Instant, Julian, Site, SunPosition, Tier, TimeScale, sun_position,
+    Air, Almanac, Directions, Instant, Julian, Site, SunPosition, Tier, TimeScale, sun_position,
 };
 use crate::units::{ARCSEC, DEG};
 
@@ -26,6 +26,8 @@ pub struct Price {
     pub single: (f64, f64),
     /// Positions a second over a year of minutes at one place (by an [`Almanac`]), on one core and on all.
     pub series: (f64, f64),
+    /// The same for azimuth and elevations alone, in columns (by [`Directions`]).
+    pub directions: (f64, f64),
 }
 
 /// How many places and times the comparison with `arcsecond` takes.
@@ -48,6 +50,10 @@ pub fn prices() -> Vec<Price> {
             against_erfa: error(&directions(tier, &stored_cases), &stored_directions),
             single: (single(tier, &random, false), single(tier, &random, true)),
             series: (series(tier, false), series(tier, true)),
+            directions: (
+                columns(tier, 1),
+                columns(tier, rayon::current_num_threads()),
+            ),
         })
         .collect()
 }
@@ -133,13 +139,19 @@ fn single(tier: Tier, cases: &[Case], all_cores: bool) -> f64 {
     })
 }
 
-/// Positions a second over a year of minutes.
-fn series(tier: Tier, all_cores: bool) -> f64 {
-    const MINUTES: u32 = 525_600;
+/// The year of minutes that series are measured over: its first instant, place and air.
+fn year() -> (Instant, Site, Air) {
     let site = Site::new(48.8584, 2.2945, 35.0).expect("a place");
-    let air = Air::standard(&site);
     let start = Instant::from_julian(Julian::new(2_461_041.5, 0.0), TimeScale::Ut1, None)
         .expect("the year 2026");
+    (start, site, Air::standard(&site))
+}
+
+const MINUTES: u32 = 525_600;
+
+/// Positions a second over a year of minutes.
+fn series(tier: Tier, all_cores: bool) -> f64 {
+    let (start, site, air) = year();
     let end = start.plus_seconds(60.0 * f64::from(MINUTES));
     best(MINUTES as usize, || {
         let almanac = Almanac::new(tier, &start, &end);
@@ -151,6 +163,19 @@ fn series(tier: Tier, all_cores: bool) -> f64 {
         } else {
             (0..MINUTES).for_each(run)
         }
+    })
+}
+
+/// Directions a second over a year of minutes in so many parts, one a core.
+fn columns(tier: Tier, parts: usize) -> f64 {
+    let (start, site, air) = year();
+    let part = MINUTES as usize / parts;
+    best(part * parts, || {
+        (0..parts).into_par_iter().for_each(|i| {
+            let at = |minute: usize| start.plus_seconds(60.0 * minute as f64);
+            let (first, last) = (at(i * part), at((i + 1) * part - 1));
+            black_box(Directions::new(tier, &first, &last, part, &site, &air));
+        })
     })
 }
 

@@ -4,3 +4,4 @@ pub mod ephemeris;
 pub mod pareto;
 pub mod scenes;
 pub mod shafts;
+pub mod sky;
