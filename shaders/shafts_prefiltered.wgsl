@@ -7,9 +7,9 @@
 // Lit columns before every eighth, row by row, place by place: for a threshold (low half) and the next (high half).
 @group(3) @binding(3) var<storage, read_write> sums: array<u32>;
 
-// The value in 16 bits of a threshold.
+// The value in 16 bits of a threshold; 65535 is dark for all rays.
 fn threshold_at(k: u32) -> f32 {
-    return 65535.0 * f32(k) / (knobs[2] - 1.0);
+    return 65534.0 * f32(k) / (knobs[2] - 1.0);
 }
 
 // Each invocation sums one threshold over a row.
@@ -74,7 +74,7 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
     let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
     let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
-    let value = clamp(1.0 + (slice.c - rows.low) * rows.scale, 0.0, 65535.0) * (knobs[2] - 1.0) / 65535.0;
+    let value = clamp(1.0 + (slice.c - rows.low) * rows.scale, 0.0, 65534.0) * (knobs[2] - 1.0) / 65534.0;
     let places = f32(rows.columns) / 8.0;
     let from_place = clamp(place_of(rows, slice.start + span.shaded.x * slice.sine) * places, 0.0, places);
     let to_place = clamp(place_of(rows, slice.start + span.shaded.y * slice.sine) * places, from_place, places);

@@ -4,15 +4,15 @@ mod common;
 
 use common::build::layer;
 use common::views::*;
-
-use tyndall::conditions::{CameraChoice, Conditions, Request};
+use glam::{DVec2, DVec3};
+use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
 use tyndall::effect::{Field, Method};
 use tyndall::frame::Frame;
 use tyndall::gpu::{Choice, Device, Gpu, Rendered};
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::reference::Reference;
-use tyndall::scene::{self, SunEntry};
+use tyndall::scene::{self as files, Camera, Projection, SunEntry};
 use tyndall::studies::shafts::errors;
 
 type Settings<'a> = &'a [(&'a str, f64)];
@@ -77,14 +77,8 @@ fn interiors(test: &str) -> Vec<(String, Conditions)> {
     let Some(folder) = common::data(test) else {
         return Vec::new();
     };
-    let of = |name: &str, sun: Option<[f64; 2]>| {
-        let mut scene = scene::load(&folder.join("scenes").join(name)).expect("the scene is sound");
-        // The file's own light where it has one.
-        let [azimuth_deg, elevation_deg] = sun.unwrap_or_else(|| {
-            let from = -scene.lights[0].direction;
-            let azimuth = from.x.atan2(-from.z);
-            [azimuth, from.y.atan2(from.x.hypot(from.z))].map(f64::to_degrees)
-        });
+    let of = |name: &str, [azimuth_deg, elevation_deg]: [f64; 2]| {
+        let mut scene = files::load(&folder.join("scenes").join(name)).expect("the scene is sound");
         scene.sun = Some(SunEntry {
             azimuth_deg,
             elevation_deg,
@@ -104,10 +98,7 @@ fn interiors(test: &str) -> Vec<(String, Conditions)> {
         let made = Conditions::new(scene, &request).expect("the scene is sound");
         (name.to_owned(), made)
     };
-    vec![
-        of("volumetric_fog/VolumetricFogExample.glb", None),
-        of("gazebo/gazebo.obj", Some([140.0, 30.0])),
-    ]
+    vec![of("gazebo/gazebo.obj", [140.0, 30.0])]
 }
 
 /// The scenes in which errors are measured, those by others where they are at hand.
@@ -142,56 +133,372 @@ fn rectified_is_within_one_percent_at_the_default_quality() {
     for (name, conditions) in &scenes(test) {
         let truth = by_reference(conditions, &[]);
         let (rmse, bias) = error(&by_gpu(conditions, Method::Rectified, &[]), &truth);
-        let high = render(&plan(conditions, Method::Rectified, Quality::High, &[])).frame;
-        let (fine_rmse, fine_bias) = error(&high, &truth);
-        eprintln!("{name:<40} preview {rmse:.5} {bias:+.5} high {fine_rmse:.5} {fine_bias:+.5}");
+        eprintln!("{name:<10} {rmse:.5} {bias:+.5}");
+        assert!(rmse < 0.01 && bias.abs() < 0.002, "{name}: {rmse} {bias}");
     }
 }
 
 #[test]
-fn other_methods() {
-    let test = "x";
-    for (name, conditions) in &scenes(test) {
-        let truth = by_reference(conditions, &[]);
-        for method in [Method::Epipolar, Method::Prefiltered] {
-            let (rmse, bias) = error(&by_gpu(conditions, method, &[]), &truth);
-            eprintln!("{name:<40} {method:?} {rmse:.5} {bias:+.5}");
+fn the_comparison_notices_a_sun_that_is_off() {
+    let test = "the_comparison_notices_a_sun_that_is_off";
+    if !common::gpu(test) {
+        return;
+    }
+    for view in [slit(), slats(1.0), forest(700), colonnade(), antisolar()] {
+        let truth = by_reference(&view.conditions(PICTURE).expect("sound"), &[]);
+        let mut moved = view.clone();
+        if let Some(sun) = &mut moved.scene.sun {
+            sun.azimuth_deg += 0.5;
+        }
+        let moved = moved.conditions(PICTURE).expect("sound");
+        for method in [Method::Rectified, Method::Epipolar] {
+            let (rmse, _) = error(&by_gpu(&moved, method, &[]), &truth);
+            eprintln!("{} {method:?} {rmse:.4}", view.name);
+            assert!(rmse > 0.012, "{} {method:?}: {rmse}", view.name);
+        }
+    }
+}
+
+/// What the other methods may be off by at the default quality: [`Method::Prefiltered`] is for the outdoors.
+#[test]
+fn every_method_comes_near_the_reference_where_it_is_meant_to() {
+    let test = "every_method_comes_near_the_reference_where_it_is_meant_to";
+    if !common::gpu(test) {
+        return;
+    }
+    for (view, epipolar, prefiltered) in [
+        (gates(), 0.01, f64::INFINITY),
+        (slats(1.0), 0.01, f64::INFINITY),
+        (forest(700), 0.01, 0.04),
+        (colonnade(), 0.01, 0.015),
+        (mountains(), 0.01, 0.04),
+        (antisolar(), 0.01, 0.01),
+        (hills(), 0.01, 0.025),
+    ] {
+        let conditions = view.conditions(PICTURE).expect("sound");
+        let truth = by_reference(&conditions, &[]);
+        for (method, most) in [
+            (Method::Epipolar, epipolar),
+            (Method::Prefiltered, prefiltered),
+        ] {
+            let (rmse, bias) = error(&by_gpu(&conditions, method, &[]), &truth);
+            eprintln!("{} {method:?} {rmse:.5} {bias:+.5}", view.name);
+            assert!(rmse < most, "{} {method:?}: {rmse}", view.name);
         }
     }
 }
 
 #[test]
-fn worst() {
-    let (name, conditions) = &interiors("x")[0];
-    let truth = by_reference(conditions, &[]);
-    for set in [
-        &[][..],
-        &[("shafts.rows", 4096.0)],
-        &[("shafts.columns", 4096.0)],
-        &[("shafts.blend", 2.0)],
-        &[("shadow.resolution", 8192.0)],
+fn the_error_falls_as_rows_columns_and_maps_double() {
+    let test = "the_error_falls_as_rows_columns_and_maps_double";
+    if !common::gpu(test) {
+        return;
+    }
+    for view in [slats(1.0), colonnade(), forest(700), gates()] {
+        let conditions = view.conditions(PICTURE).expect("sound");
+        let truth = by_reference(&conditions, &[]);
+        let errors: Vec<f64> = [1.0, 2.0, 4.0]
+            .iter()
+            .map(|finer| {
+                let set = [
+                    ("shafts.halvings", 0.0),
+                    ("shafts.rows", 512.0 * finer),
+                    ("shafts.columns", 512.0 * finer),
+                    ("shadow.resolution", 1024.0 * finer),
+                ];
+                error(&by_gpu(&conditions, Method::Rectified, &set), &truth).0
+            })
+            .collect();
+        eprintln!("{}: {errors:.5?}", view.name);
+        // Over two doublings: one of them alone may be lucky.
+        let factor = (errors[2] / errors[0]).sqrt();
+        assert!(factor <= 0.6, "{}: {errors:?} {factor}", view.name);
+    }
+}
+
+#[test]
+fn air_without_occluder_is_the_same_by_every_method() {
+    let test = "air_without_occluder_is_the_same_by_every_method";
+    if !common::gpu(test) {
+        return;
+    }
+    let mut view = colonnade();
+    // One small triangle far below, since a scene must have one; the sun's own pixel is in the picture.
+    let low = DVec3::new(0.0, -50.0, 0.0);
+    view.scene.mesh = scene(
+        &[[low, low + 1e-3 * DVec3::X, low + 1e-3 * DVec3::Z]],
+        0.0,
+        0.0,
+    )
+    .mesh;
+    let conditions = view.conditions([65, 49]).expect("sound");
+    let truth = by_reference(&conditions, &[]);
+    for method in [
+        Method::Rectified,
+        Method::Epipolar,
+        Method::Prefiltered,
+        Method::March,
     ] {
-        let found = by_gpu(conditions, Method::Rectified, set);
-        let (rmse, bias) = error(&found, &truth);
-        eprintln!("{name} {set:?} {rmse:.5} {bias:+.5}");
-        let (a, b) = (
-            layer(&found, Field::InscatterSun),
-            layer(&truth, Field::InscatterSun),
-        );
-        let mut order: Vec<usize> = (0..a.len()).collect();
-        order.sort_by(|&i, &j| (a[j].x - b[j].x).abs().total_cmp(&(a[i].x - b[i].x).abs()));
-        let total: f64 = a.iter().zip(&b).map(|(a, b)| (a.x - b.x).powi(2)).sum();
-        for &i in &order[..5] {
-            eprintln!(
-                "{} {}: {:.1} {:.1} depth {} {} share {:.3}",
-                i % 256,
-                i / 256,
-                a[i].x,
-                b[i].x,
-                found.depth[i],
-                truth.depth[i],
-                (a[i].x - b[i].x).powi(2) / total
+        let found = by_gpu(&conditions, method, &[]);
+        for (a, b) in layer(&found, Field::InscatterSun)
+            .iter()
+            .zip(layer(&truth, Field::InscatterSun))
+        {
+            assert!(
+                (a.x / b.x - 1.0).abs() < 1e-4,
+                "{method:?}: {} {}",
+                a.x,
+                b.x
             );
         }
     }
+}
+
+#[test]
+fn nothing_leaks_under_a_roof() {
+    let test = "nothing_leaks_under_a_roof";
+    if !common::gpu(test) {
+        return;
+    }
+    let mut view = slats(1.0);
+    let roof = quad(
+        DVec3::new(-500.0, 4.5, -500.0),
+        DVec3::X * 1000.0,
+        DVec3::Z * 1000.0,
+    );
+    view.scene.mesh = scene(&roof, 0.0, 0.0).mesh;
+    let conditions = view.conditions([64, 48]).expect("sound");
+    // The prefiltered method interpolates between thresholds and leaks some of the light over the roof.
+    for method in [Method::Rectified, Method::Epipolar, Method::March] {
+        let found = by_gpu(&conditions, method, &[]);
+        let light = layer(&found, Field::InscatterSun);
+        assert!(light.iter().all(|v| *v == DVec3::ZERO), "{method:?}");
+    }
+}
+
+#[test]
+fn every_camera_is_the_same_to_rows() {
+    let test = "every_camera_is_the_same_to_rows";
+    if !common::gpu(test) {
+        return;
+    }
+    for (view, projection, shift, size) in [
+        (
+            slats(1.0),
+            Some(Projection::Orthographic { height: 6.0 }),
+            DVec2::new(0.05, -0.1),
+            [192, 128],
+        ),
+        (
+            colonnade(),
+            Some(Projection::Orthographic { height: 12.0 }),
+            DVec2::ZERO,
+            [192, 128],
+        ),
+        (
+            slats(1.0),
+            Some(Projection::Panorama),
+            DVec2::ZERO,
+            [512, 128],
+        ),
+        (
+            antisolar(),
+            Some(Projection::Panorama),
+            DVec2::ZERO,
+            [256, 128],
+        ),
+        (gates(), None, DVec2::new(0.3, 0.4), [192, 128]),
+    ] {
+        let mut view = view;
+        view.camera.projection = projection.unwrap_or(view.camera.projection);
+        view.camera.shift = shift;
+        let conditions = view.conditions(size).expect("sound");
+        let truth = by_reference(&conditions, &[]);
+        for method in [Method::Rectified, Method::Epipolar] {
+            let (rmse, bias) = error(&by_gpu(&conditions, method, &[]), &truth);
+            eprintln!(
+                "{} {projection:?} {method:?} {rmse:.5} {bias:+.5}",
+                view.name
+            );
+            assert!(
+                rmse < 0.01,
+                "{} {projection:?} {method:?}: {rmse}",
+                view.name
+            );
+        }
+    }
+}
+
+#[test]
+fn a_sun_across_the_view_is_no_special_case() {
+    let test = "a_sun_across_the_view_is_no_special_case";
+    if !common::gpu(test) {
+        return;
+    }
+    let base = slats(1.0);
+    let forward = base.camera.axes()[2];
+    // The azimuth at which the sun stands exactly across the view, at its own elevation: cos e (s sin A - c cos A) + ...
+    let elevation: f64 = 50f64.to_radians();
+    let across = |azimuth: f64| toward(azimuth, elevation, 0.0).dot(forward);
+    let (mut low, mut high) = (45f64.to_radians(), 135f64.to_radians());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if across(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let errors: Vec<f64> = (-12..=12)
+        .map(|step| {
+            let mut view = base.clone();
+            if let Some(sun) = &mut view.scene.sun {
+                sun.azimuth_deg = low.to_degrees() + 0.01 * f64::from(step);
+            }
+            let conditions = view.conditions([128, 96]).expect("sound");
+            let truth = by_reference(&conditions, &[]);
+            error(&by_gpu(&conditions, Method::Rectified, &[]), &truth).0
+        })
+        .collect();
+    let mut sorted = errors.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    eprintln!("{errors:.5?}");
+    assert!(sorted[24] < 1.2 * sorted[12], "{errors:.5?}");
+    assert!(sorted[24] < 0.01);
+}
+
+#[test]
+fn the_suns_place_sweeps_over_pixels_corners_and_behind() {
+    let test = "the_suns_place_sweeps_over_pixels_corners_and_behind";
+    if !common::gpu(test) {
+        return;
+    }
+    let base = colonnade();
+    // Exactly into a pixel's centre, toward and away from the sun, and to the picture's corner.
+    let size = [65, 49];
+    for (x, y, sign) in [
+        (32.5, 24.5, 1.0),
+        (0.5, 0.5, 1.0),
+        (0.0, 0.0, 1.0),
+        (65.0, 24.5, 1.0),
+        (32.5, 24.5, -1.0),
+        (32.5, 0.5, -1.0),
+    ] {
+        let mut view = base.clone();
+        let eye = view.camera.eye;
+        let ahead = DVec3::new(0.0, 0.35 * sign, -1.0);
+        view.camera = Camera::look_at(eye, eye + ahead, 60f64.to_radians());
+        let sun = sign * view.camera.ray(DVec2::new(x, y), size).direction;
+        if let Some(entry) = &mut view.scene.sun {
+            entry.azimuth_deg = sun.x.atan2(-sun.z).to_degrees();
+            entry.elevation_deg = sun.y.asin().to_degrees();
+        }
+        let conditions = view.conditions(size).expect("sound");
+        let truth = by_reference(&conditions, &[]);
+        let (rmse, _) = error(&by_gpu(&conditions, Method::Rectified, &[]), &truth);
+        eprintln!("{x} {y} {sign}: {rmse:.5}");
+        assert!(rmse < 0.01, "{x} {y} {sign}: {rmse}");
+    }
+}
+
+#[test]
+fn pictures_depend_on_neither_units_nor_origin_nor_repetition() {
+    let test = "pictures_depend_on_neither_units_nor_origin_nor_repetition";
+    if !common::gpu(test) {
+        return;
+    }
+    let picture = |view: &View| {
+        by_gpu(
+            &view.conditions([128, 96]).expect("sound"),
+            Method::Rectified,
+            &[],
+        )
+    };
+    let truth = picture(&slats(1.0));
+    assert!(
+        truth == picture(&slats(1.0)),
+        "the same input makes other bytes"
+    );
+    for scale in [2f64.powi(-10), 2f64.powi(13), 1e-3, 1e4] {
+        let (rmse, _) = error(&picture(&slats(scale)), &truth);
+        eprintln!("scale {scale}: {rmse:.2e}");
+        // Where a place meets a texel's border to f32's last digit, it may fall to either side.
+        assert!(rmse < 1e-3, "{scale}: {rmse}");
+    }
+    for shift in [DVec3::new(1e6, 0.0, -1e6), DVec3::new(6.4e6, 0.0, 0.0)] {
+        let mut view = slats(1.0);
+        for p in &mut view.scene.mesh.positions {
+            *p += shift;
+        }
+        view.camera.eye += shift;
+        if let Shape::Box { min, max } = &mut view.scene.media[0].shape {
+            (*min, *max) = (*min + shift, *max + shift);
+        }
+        let (rmse, _) = error(&picture(&view), &truth);
+        eprintln!("origin {shift}: {rmse:.2e}");
+        assert!(rmse < 1e-3, "{shift}: {rmse}");
+    }
+}
+
+#[test]
+fn a_far_slit_has_the_edges_of_the_suns_disc() {
+    let test = "a_far_slit_has_the_edges_of_the_suns_disc";
+    if !common::gpu(test) {
+        return;
+    }
+    let view = far_slit();
+    let size = [128, 32];
+    let conditions = view.conditions(size).expect("sound");
+    // The share of a uniform disc's area on one side of a chord at x radii from its middle.
+    let share = |x: f64| {
+        let x = x.clamp(-1.0, 1.0);
+        0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / std::f64::consts::PI
+    };
+    let profile = |frame: &Frame| -> Vec<f64> {
+        let light = layer(frame, Field::InscatterSun);
+        (0..size[0] as usize)
+            .map(|x| light[16 * size[0] as usize + x].x)
+            .collect()
+    };
+    // Without the slit all is lit: what a place would get.
+    let mut open = view.clone();
+    let low = DVec3::new(0.0, -500.0, 0.0);
+    open.scene.mesh = scene(
+        &[[low, low + 1e-3 * DVec3::X, low + 1e-3 * DVec3::Z]],
+        0.0,
+        0.0,
+    )
+    .mesh;
+    let open = profile(&by_gpu(
+        &open.conditions(size).expect("sound"),
+        Method::Rectified,
+        &[("shafts.suns", 1.0)],
+    ));
+    let off = |suns: f64| -> [f64; 2] {
+        let set = [("shafts.suns", suns), ("shadow.resolution", 8192.0)];
+        let found = profile(&by_gpu(&conditions, Method::Rectified, &set));
+        let off: Vec<f64> = (0..size[0] as usize)
+            .filter(|x| open[*x] > 0.0)
+            .map(|x| {
+                let at = DVec2::new(x as f64 + 0.5, 16.5);
+                let ray = conditions.camera.ray(at, size);
+                // The middle of the fog along the ray: rays run down nearly straight.
+                let middle = ray.origin + 60.0 / -ray.direction.y * ray.direction;
+                let throw = (500.0 - middle.x) / 5f64.to_radians().cos();
+                let radius = throw * (0.5 * 0.533f64).to_radians().tan();
+                let expected =
+                    share((middle.z + 1.5) / radius) + share((1.5 - middle.z) / radius) - 1.0;
+                (found[x] / open[x] - expected).abs()
+            })
+            .collect();
+        let square: f64 = off.iter().map(|e| e * e).sum();
+        let worst = off.iter().copied().fold(0.0, f64::max);
+        [(square / off.len() as f64).sqrt(), worst]
+    };
+    let [many, high, few, point] = [256.0, 16.0, 4.0, 1.0].map(off);
+    eprintln!(
+        "RMS and worst: 256 suns {many:.4?}, 16 {high:.4?}, 4 {few:.4?}, a point {point:.4?}"
+    );
+    assert!(many[1] < 0.02, "{many:?}");
+    assert!(point[0] > 0.04 && point[1] > 0.2, "{point:?}");
 }

@@ -4,9 +4,11 @@
 
 use crate::draw::{Anchor, Color, Drawing, escaped, text_width};
 use crate::labels::{Room, TIED};
-use crate::stdout;
+
 use std::f64::consts::TAU;
+use std::io::Write;
 use std::path::Path;
+use tyndall::output::atomic;
 use tyndall::{Error, Result};
 
 const INK: Color = [25, 25, 25];
@@ -97,7 +99,10 @@ impl Plot {
     pub fn save(&self, path: &Path) -> Result<()> {
         let extension = path.extension().and_then(|e| e.to_str());
         match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("html") => stdout::save(path, self.html()?.as_bytes()),
+            Some("html") => {
+                let page = self.html()?;
+                atomic::write(path, |file| file.write_all(page.as_bytes()))
+            }
             Some("svg" | "png") => self.draw()?.save(path),
             _ => Err(Error::input(
                 path.display().to_string(),
