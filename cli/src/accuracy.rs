@@ -5,24 +5,27 @@ use serde_json::{Map, Value, json};
 use tyndall::studies::{ephemeris, sky};
 use tyndall::{Error, Result};
 
+use crate::accuracy_shafts;
 use crate::stdout::{self, Out};
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
-    /// What to measure: ephemeris or sky
+    /// What to measure: ephemeris, sky or shafts
     #[arg(long, value_name = "EFFECT", default_value = "ephemeris")]
     effect: String,
+    #[command(flatten)]
+    pub shafts: accuracy_shafts::ShaftsArgs,
     /// Print JSON
     #[arg(long, conflicts_with = "csv")]
-    json: bool,
+    pub json: bool,
     /// Print CSV
     #[arg(long)]
-    csv: bool,
+    pub csv: bool,
 }
 
 /// A row of a table, by its columns' names.
-type Columns = Map<String, Value>;
+pub type Columns = Map<String, Value>;
 
 /// Runs `tyndall accuracy`.
 pub fn run(args: &AccuracyArgs) -> Result<()> {
@@ -40,16 +43,17 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
             let rows = prices.iter().map(sky_columns).collect();
             print(args, rows, |out| sky_table(out, &prices))
         }
+        "shafts" => accuracy_shafts::run(args),
         other => Err(Error::input(
             "--effect",
             format!("`{other}` is not known"),
-            "write ephemeris or sky",
+            "write ephemeris, sky or shafts",
         )),
     }
 }
 
 /// Prints rows as JSON or CSV, or else as the table that `table` writes.
-fn print(
+pub fn print(
     args: &AccuracyArgs,
     rows: Vec<Columns>,
     table: impl FnOnce(&mut Out) -> Result<()>,
@@ -73,7 +77,7 @@ fn print(
     out.finish()
 }
 
-fn columns<const N: usize>(columns: [(&str, Value); N]) -> Columns {
+pub fn columns<const N: usize>(columns: [(&str, Value); N]) -> Columns {
     let named = columns.map(|(name, value)| (name.to_owned(), value));
     named.into_iter().collect()
 }

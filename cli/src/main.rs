@@ -1,6 +1,7 @@
 //! The command line of tyndall.
 
 mod accuracy;
+mod accuracy_shafts;
 mod backend;
 mod batch;
 mod choose;

@@ -1,6 +1,4 @@
 //! A plot of error against cost, or of any two measured quantities: both axes logarithmic, the Pareto front behind.
-// Nothing calls it yet but its tests.
-#![allow(dead_code)]
 
 use crate::draw::{Anchor, Color, Drawing, escaped, text_width};
 use crate::labels::{Room, TIED};

@@ -247,7 +247,7 @@ fn quality(text: &str) -> Result<Quality, String> {
         .ok_or_else(|| "write draft, preview, high or reference".into())
 }
 
-fn method(text: &str) -> Result<MethodFlag, String> {
+pub fn method(text: &str) -> Result<MethodFlag, String> {
     if text == "auto" {
         return Ok(MethodFlag(None));
     }
@@ -264,7 +264,7 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-fn setting(text: &str) -> Result<(String, f64), String> {
+pub fn setting(text: &str) -> Result<(String, f64), String> {
     let (target, value) = text
         .split_once('=')
         .ok_or("EFFECT.KNOB=VALUE was expected, as in shafts.suns=16")?;

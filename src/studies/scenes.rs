@@ -10,6 +10,35 @@ use crate::scene::{
 use crate::units::DEG;
 use glam::{DVec2, DVec3};
 
+/// The names of the views of the studies.
+pub const NAMES: [&str; 9] = [
+    "slats",
+    "colonnade",
+    "forest",
+    "gates",
+    "slit",
+    "mountains",
+    "antisolar",
+    "hills",
+    "far slit",
+];
+
+/// The view of a name; `None` for another than those of [`NAMES`].
+pub fn named(name: &str) -> Option<View> {
+    Some(match name {
+        "slats" => slats(1.0),
+        "colonnade" => colonnade(),
+        "forest" => forest(700),
+        "gates" => gates(),
+        "slit" => slit(),
+        "mountains" => mountains(),
+        "antisolar" => antisolar(),
+        "hills" => hills(),
+        "far slit" => far_slit(),
+        _ => return None,
+    })
+}
+
 /// Three corners [m].
 pub type Corners = [DVec3; 3];
 

@@ -4,6 +4,7 @@
 //! first one that does not count; reads and nodes are counted in a frame apart, whose times do not count either. Shadow maps
 //! are shared by all methods and shown apart.
 
+use crate::accuracy::flip;
 use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::effect::{ALL, Contribution, Field, Method};
@@ -12,7 +13,7 @@ use crate::frame::Frame;
 use crate::gpu::{Choice, Device, Gpu, Rendered};
 use crate::plan::{Overrules, Plan, Quality};
 use crate::reference::Reference;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::time::Duration;
 
 /// One setting of one method.
@@ -47,6 +48,8 @@ pub struct Outcome {
     pub percentile_99: f64,
     /// sum(L) / sum(R) - 1.
     pub bias: f64,
+    /// Mean HDR-FLIP of the in-scattered sunlight alone ([`crate::accuracy::flip`]).
+    pub flip: f64,
     /// The in-scattered sunlight [cd/m2, working space], for pictures of it.
     pub inscatter: Vec<Vec3>,
 }
@@ -120,9 +123,9 @@ pub fn sweeps() -> Vec<Trial> {
     for (size, thresholds, blocks) in [
         (512.0, 32.0, 4.0),
         (1024.0, 32.0, 8.0),
-        (1024.0, 64.0, 8.0),
-        (1024.0, 64.0, 16.0),
-        (1024.0, 128.0, 32.0),
+        (1024.0, 60.0, 8.0),
+        (1024.0, 60.0, 16.0),
+        (512.0, 128.0, 32.0),
     ] {
         add(
             Method::Prefiltered,
@@ -197,6 +200,26 @@ fn inscatter(frame: &Frame) -> Vec<Vec3> {
     )
 }
 
+/// What the error `error` costs on a curve of costs and errors: between its points along straight lines of logarithms, beyond
+/// them as if error times cost stayed the same, as for steps.
+pub fn cost_at(curve: &[[f64; 2]], error: f64) -> f64 {
+    let mut curve = curve.to_vec();
+    curve.sort_unstable_by(|a, b| b[1].total_cmp(&a[1]));
+    let (Some(first), Some(last)) = (curve.first(), curve.last()) else {
+        return f64::NAN;
+    };
+    if error >= first[1] {
+        return first[0] * first[1] / error;
+    }
+    if error <= last[1] {
+        return last[0] * last[1] / error;
+    }
+    let next = curve.partition_point(|point| point[1] > error);
+    let ([c0, e0], [c1, e1]) = (curve[next - 1], curve[next]);
+    let share = (e0 / error).ln() / (e0 / e1).ln();
+    c0 * (c1 / c0).powf(share)
+}
+
 /// Measures one trial over `frames` frames. `extra` are knobs of other effects, as `shadow.resolution`.
 ///
 /// # Errors
@@ -249,6 +272,9 @@ pub fn measure(
             / pixels
     };
     let found = inscatter(&runs[0].frame);
+    let [reference, test] = [truth, &found[..]]
+        .map(|picture| -> Vec<DVec3> { picture.iter().map(|rgb| rgb.as_dvec3()).collect() });
+    let flip = flip::hdr(&reference, &test, conditions.size, flip::PIXELS_PER_DEGREE)?.mean;
     let (relative_rmse, percentile_99, bias) = errors(&found, truth);
     Ok(Outcome {
         trial: trial.clone(),
@@ -260,6 +286,7 @@ pub fn measure(
         relative_rmse,
         percentile_99,
         bias,
+        flip,
         inscatter: found,
     })
 }
@@ -288,4 +315,20 @@ pub fn errors(found: &[Vec3], truth: &[Vec3]) -> (f64, f64, f64) {
         return (any, any, any);
     }
     (square.sqrt() / mean, percentile.unwrap_or(0.0), bias / mean)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_of_steps_tells_what_an_error_costs() {
+        let curve: Vec<[f64; 2]> = [16.0, 64.0, 256.0].map(|n| [n, 1.0 / n]).to_vec();
+        for error in [0.5, 1.0 / 16.0, 0.03, 1.0 / 64.0, 0.01, 1e-3] {
+            assert!(
+                (cost_at(&curve, error) * error - 1.0).abs() < 1e-12,
+                "{error}"
+            );
+        }
+    }
 }

@@ -1,0 +1,381 @@
+//! `tyndall accuracy --effect shafts`: what accuracy costs in the air, method by method.
+
+use crate::accuracy::{AccuracyArgs, Columns, columns, print};
+use crate::plot::{Axis, Plot, Point, Series};
+use crate::scene_args::{MethodFlag, SceneArgs, method, setting, size};
+use crate::stdout::Out;
+use clap::Args;
+use glam::{DVec3, Vec3};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use tyndall::colour::{display, exposure, luminance};
+use tyndall::conditions::Conditions;
+use tyndall::effect::Method;
+use tyndall::error::nearest;
+use tyndall::gpu::{Choice, adapters};
+use tyndall::output::png;
+use tyndall::studies::shafts::{Outcome, cost_at, measure, sweeps, truth};
+use tyndall::studies::{pareto, scenes};
+use tyndall::{Error, Result};
+
+/// The flags of the study of shafts.
+#[derive(Args, Debug)]
+pub struct ShaftsArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// With --effect shafts: scenes of the study, separated by commas, or `scene` for the one that is named
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    study: Vec<String>,
+    /// With --effect shafts: frames whose times' median is taken
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    frames: usize,
+    /// With --effect shafts: one method alone, beside march, with which all are compared
+    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
+    method: MethodFlag,
+    /// With --effect shafts: set a knob of another effect, as shadow.resolution=8192 [default: 4096]
+    #[arg(long, value_name = "EFFECT.KNOB=VALUE", value_parser = setting)]
+    set: Vec<(String, f64)>,
+    /// With --effect shafts: the side of the picture in pixels, for scenes of the study
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "512x512")]
+    study_size: [u32; 2],
+    /// With --effect shafts: plot error against time (.svg, .png or .html); each scene's name is added to the file's
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// With --effect shafts: a folder for pictures: the truth, the games' usual march, ours, and their errors
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
+}
+
+/// All measurements of a scene.
+struct Study {
+    scene: String,
+    size: [u32; 2],
+    truth: Vec<Vec3>,
+    outcomes: Vec<Outcome>,
+    by_time: Vec<bool>,
+    by_reads: Vec<bool>,
+}
+
+/// Runs the study.
+pub fn run(args: &AccuracyArgs) -> Result<()> {
+    let flags = &args.shafts;
+    let report = adapters::report();
+    let choice = match adapters::automatic(&report) {
+        Some(_) => Choice::Hardware,
+        None => Choice::Any,
+    };
+    let adapter = report
+        .adapters
+        .iter()
+        .find(|adapter| choice == Choice::Any || adapter.is_hardware())
+        .map_or("no adapter".to_owned(), |adapter| {
+            format!("{}, {}", adapter.name, adapter.kind.words())
+        });
+    let mut extra = vec![("shadow.resolution".to_owned(), 4096.0)];
+    extra.extend(flags.set.iter().cloned());
+    let mut studies = Vec::new();
+    for (scene, conditions) in wanted(flags)? {
+        eprintln!("{scene}: the reference");
+        let truth = truth(&conditions)?;
+        let mut outcomes = Vec::new();
+        for trial in sweeps() {
+            let only = flags.method.0;
+            if only.is_some_and(|only| trial.method != only && trial.method != Method::March) {
+                continue;
+            }
+            eprintln!("{scene}: {}", trial.words());
+            outcomes.push(measure(
+                &conditions,
+                &trial,
+                &extra,
+                choice,
+                &truth,
+                flags.frames,
+            )?);
+        }
+        let front = |cost: fn(&Outcome) -> f64| {
+            let pairs: Vec<[f64; 2]> = outcomes
+                .iter()
+                .map(|o| [cost(o), o.relative_rmse])
+                .collect();
+            pareto::front(&pairs)
+        };
+        let study = Study {
+            scene,
+            size: conditions.size,
+            by_time: front(milliseconds),
+            by_reads: front(reads),
+            truth,
+            outcomes,
+        };
+        if let Some(path) = &flags.plot {
+            plot(&study, &adapter)?.save(&named(path, &study.scene))?;
+        }
+        if let Some(folder) = &flags.pictures {
+            pictures(&study, folder)?;
+        }
+        studies.push(study);
+    }
+    let rows = studies
+        .iter()
+        .flat_map(|study| rows(study, &adapter))
+        .collect();
+    print(args, rows, |out| {
+        table(out, &studies, &adapter, flags.frames)
+    })
+}
+
+/// The scenes that are asked for.
+fn wanted(flags: &ShaftsArgs) -> Result<Vec<(String, Conditions)>> {
+    let named = flags.scene.scene.is_some();
+    let names = match (flags.study.is_empty(), named) {
+        (true, true) => vec!["scene".to_owned()],
+        (true, false) => ["slats", "colonnade", "forest"].map(str::to_owned).to_vec(),
+        (false, _) => flags.study.clone(),
+    };
+    names
+        .into_iter()
+        .map(|name| {
+            if name == "scene" {
+                let conditions = flags.scene.conditions()?;
+                return Ok((conditions.scene.name.clone(), conditions));
+            }
+            let view = scenes::named(&name).ok_or_else(|| {
+                let remedy = match nearest(&name, scenes::NAMES) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("there are {}", scenes::NAMES.join(", ")),
+                };
+                Error::input(format!("--study {name}"), "there is no such scene", remedy)
+            })?;
+            Ok((name, view.conditions(flags.study_size)?))
+        })
+        .collect()
+}
+
+fn milliseconds(outcome: &Outcome) -> f64 {
+    1e3 * outcome.in_scatter.as_secs_f64()
+}
+
+fn reads(outcome: &Outcome) -> f64 {
+    outcome.reads + outcome.nodes
+}
+
+/// A cost of march at the error of another method's setting, over that setting's cost.
+fn ratio(study: &Study, outcome: &Outcome, cost: fn(&Outcome) -> f64) -> f64 {
+    let march = study.outcomes.iter().filter(|o| {
+        o.trial.method == Method::March && o.trial.set.iter().all(|(knob, _)| *knob == "steps")
+    });
+    let curve: Vec<[f64; 2]> = march.map(|o| [cost(o), o.relative_rmse]).collect();
+    cost_at(&curve, outcome.relative_rmse) / cost(outcome)
+}
+
+fn rows(study: &Study, adapter: &str) -> Vec<Columns> {
+    let marks = study.by_time.iter().zip(&study.by_reads);
+    study
+        .outcomes
+        .iter()
+        .zip(marks)
+        .map(|(o, (by_time, by_reads))| {
+            let passes: serde_json::Map<_, _> = o
+                .passes
+                .iter()
+                .map(|(name, time)| (name.to_string(), json!(1e3 * time.as_secs_f64())))
+                .collect();
+            columns([
+                ("scene", json!(study.scene)),
+                ("adapter", json!(adapter)),
+                ("width", json!(study.size[0])),
+                ("height", json!(study.size[1])),
+                ("setting", json!(o.trial.words())),
+                ("method", json!(o.trial.method.name())),
+                ("baseline", json!(o.trial.baseline)),
+                ("in_scatter_ms", json!(milliseconds(o))),
+                (
+                    "passes_ms",
+                    json!(serde_json::Value::Object(passes).to_string()),
+                ),
+                ("shadow_maps_ms", json!(1e3 * o.maps.as_secs_f64())),
+                ("reads_per_pixel", json!(o.reads)),
+                ("nodes_per_pixel", json!(o.nodes)),
+                ("relative_rmse", json!(o.relative_rmse)),
+                ("percentile_99", json!(o.percentile_99)),
+                ("bias", json!(o.bias)),
+                ("hdr_flip", json!(o.flip)),
+                ("front_by_time", json!(by_time)),
+                ("front_by_reads", json!(by_reads)),
+                (
+                    "march_time_at_equal_error",
+                    json!(ratio(study, o, milliseconds)),
+                ),
+                ("march_reads_at_equal_error", json!(ratio(study, o, reads))),
+            ])
+        })
+        .collect()
+}
+
+fn table(out: &mut Out, studies: &[Study], adapter: &str, frames: usize) -> Result<()> {
+    out.line(&format!(
+        "{adapter}; medians of {frames} frames; a point sun; T, R: on the front of error by time, by reads and nodes"
+    ))?;
+    out.line("march/: what march costs at the same error, in time and in reads, over what this costs; * the games' usual setting")?;
+    for study in studies {
+        let [w, h] = study.size;
+        let maps = study
+            .outcomes
+            .first()
+            .map_or(0.0, |o| 1e3 * o.maps.as_secs_f64());
+        out.line("")?;
+        out.line(&format!(
+            "{}, {w} x {h}; shadow maps {maps:.0} ms apart",
+            study.scene
+        ))?;
+        out.line(&format!(
+            "{:<66}{:>9}{:>8}{:>8}{:>10}{:>9}{:>10}{:>9}    {:>8}{:>8}",
+            "setting",
+            "ms",
+            "reads",
+            "nodes",
+            "rel. RMSE",
+            "99 %",
+            "bias",
+            "FLIP",
+            "march/ms",
+            "reads"
+        ))?;
+        for (i, o) in study.outcomes.iter().enumerate() {
+            let mark = |on: bool, letter| if on { letter } else { ' ' };
+            out.line(&format!(
+                "{:<65}{}{:>9.1}{:>8.1}{:>8.1}{:>10.5}{:>9.4}{:>+10.5}{:>9.5} {}{} {:>8.1}{:>8.1}",
+                o.trial.words(),
+                mark(o.trial.baseline, '*'),
+                milliseconds(o),
+                o.reads,
+                o.nodes,
+                o.relative_rmse,
+                o.percentile_99,
+                o.bias,
+                o.flip,
+                mark(study.by_time[i], 'T'),
+                mark(study.by_reads[i], 'R'),
+                ratio(study, o, milliseconds),
+                ratio(study, o, reads),
+            ))?;
+        }
+    }
+    out.line("")?;
+    out.line("march at equal error, best of the settings within 1 %: time / reads")?;
+    let mut best = [0.0, 0.0];
+    for study in studies {
+        let mut line = format!("{:<12}", study.scene);
+        let mut most = [f64::MIN_POSITIVE; 2];
+        for method in Method::ALL {
+            let good = |cost: fn(&Outcome) -> f64| {
+                let good = study.outcomes.iter().filter(|o| {
+                    o.trial.method == method && o.relative_rmse <= 0.01 && method != Method::March
+                });
+                good.map(|o| ratio(study, o, cost)).fold(0.0, f64::max)
+            };
+            let found = [good(milliseconds), good(reads)];
+            if found[0] > 0.0 {
+                line += &format!("  {} {:.1} / {:.1}", method.name(), found[0], found[1]);
+            }
+            most = [most[0].max(found[0]), most[1].max(found[1])];
+        }
+        best = [best[0] + most[0].ln(), best[1] + most[1].ln()];
+        out.line(&line)?;
+    }
+    let mean = best.map(|sum: f64| (sum / studies.len() as f64).exp());
+    out.line(&format!(
+        "geometric mean of the best method of each scene: {:.1} in time, {:.1} in reads and nodes",
+        mean[0], mean[1]
+    ))
+}
+
+fn named(path: &Path, scene: &str) -> PathBuf {
+    let text =
+        |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, ending) = (text(path.file_stem()), text(path.extension()));
+    path.with_file_name(format!("{stem}-{scene}.{ending}"))
+}
+
+fn plot(study: &Study, adapter: &str) -> Result<Plot> {
+    let series = Method::ALL
+        .into_iter()
+        .map(|method| Series {
+            name: method.name().to_owned(),
+            points: study
+                .outcomes
+                .iter()
+                .enumerate()
+                .filter(|(_, o)| o.trial.method == method)
+                .filter(|(_, o)| o.relative_rmse.is_finite() && milliseconds(o) > 0.0)
+                .map(|(i, o)| Point {
+                    x: milliseconds(o),
+                    y: o.relative_rmse,
+                    label: if o.trial.baseline {
+                        "games: 64 steps".to_owned()
+                    } else {
+                        o.trial
+                            .set
+                            .first()
+                            .map_or(String::new(), |(_, v)| v.to_string())
+                    },
+                    on_front: study.by_time[i],
+                })
+                .collect(),
+        })
+        .filter(|series: &Series| !series.points.is_empty())
+        .collect();
+    let [w, h] = study.size;
+    Ok(Plot {
+        title: format!("Sunlight in the air: {}", study.scene),
+        caption: format!("{w} x {h} pixels, {adapter}; shadow maps apart"),
+        x: Axis {
+            label: "median time of rows, trees and integration".into(),
+            unit: "ms".into(),
+        },
+        y: Axis {
+            label: "relative RMSE".into(),
+            unit: String::new(),
+        },
+        series,
+        rivals: Vec::new(),
+    })
+}
+
+/// The truth, the games' usual setting and the best of the others at no more than its time, with their errors four times
+/// brighter, all at the truth's exposure.
+fn pictures(study: &Study, folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|error| Error::writing(folder, error))?;
+    let lights = study.truth.iter().map(|rgb| luminance(rgb.as_dvec3()));
+    let ev100 = exposure::auto(lights).unwrap_or(0.0);
+    let write = |name: &str, value: &dyn Fn(usize) -> DVec3| -> Result<()> {
+        let [w, h] = study.size;
+        let bytes: Vec<u8> = (0..study.truth.len())
+            .flat_map(|i| display::encode(value(i), ev100, [i as u32 % w, i as u32 / w], true))
+            .collect();
+        png::write(
+            &folder.join(format!("{}-{name}.png", study.scene)),
+            w,
+            h,
+            &bytes,
+        )
+    };
+    write("truth", &|i| study.truth[i].as_dvec3())?;
+    let baseline = study.outcomes.iter().find(|o| o.trial.baseline);
+    let limit = baseline.map_or(f64::INFINITY, milliseconds);
+    let ours = study
+        .outcomes
+        .iter()
+        .filter(|o| o.trial.method != Method::March && milliseconds(o) <= limit)
+        .min_by(|a, b| a.relative_rmse.total_cmp(&b.relative_rmse));
+    for (name, outcome) in [("march-64", baseline), ("ours", ours)] {
+        let Some(outcome) = outcome else { continue };
+        write(name, &|i| outcome.inscatter[i].as_dvec3())?;
+        write(&format!("{name}-error-x4"), &|i| {
+            4.0 * (outcome.inscatter[i] - study.truth[i]).abs().as_dvec3()
+        })?;
+        eprintln!("{}-{name}.png: {}", study.scene, outcome.trial.words());
+    }
+    Ok(())
+}
