@@ -47,6 +47,7 @@ fn build(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
     let blocks = u32(knobs[1]) / 8u;
     let used = select(0u, blocks, group.x < rows.count);
+    let first_leaf = tree_row(group.x, blocks);
     let row = rows.first + (f32(group.x) + 0.5) * rows.step;
     // In an orthographic view all rays have the angle of any.
     let any_ray = slice_of(vec3f(0.0), rays[0].xyz);
@@ -62,25 +63,25 @@ fn build(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
             greatest = max(greatest, d);
         }
         count_reads(8u);
-        leaves[group.x * blocks + block] = leaf;
+        tree[first_leaf + block] = leaf;
         entries[block] = least | (greatest << 16u);
     }
-    let first = group.x * 21u * (blocks / 64u);
+    let first = first_leaf + blocks;
     workgroupBarrier();
     for (var k = local; k < used / 4u; k += 64u) {
         let node = vec4u(entries[4u * k], entries[4u * k + 1u], entries[4u * k + 2u], entries[4u * k + 3u]);
-        nodes[first + k] = node;
+        tree[first + k] = node;
         parents[k] = joined(node.x, node.y, node.z, node.w);
     }
     workgroupBarrier();
     for (var k = local; k < used / 16u; k += 64u) {
         let node = vec4u(parents[4u * k], parents[4u * k + 1u], parents[4u * k + 2u], parents[4u * k + 3u]);
-        nodes[first + blocks / 4u + k] = node;
+        tree[first + blocks / 4u + k] = node;
         entries[k] = joined(node.x, node.y, node.z, node.w);
     }
     workgroupBarrier();
     for (var k = local; k < used / 64u; k += 64u) {
-        nodes[first + blocks / 4u + blocks / 16u + k] =
+        tree[first + blocks / 4u + blocks / 16u + k] =
             vec4u(entries[4u * k], entries[4u * k + 1u], entries[4u * k + 2u], entries[4u * k + 3u]);
     }
     report_counts();

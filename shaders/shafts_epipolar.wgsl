@@ -5,7 +5,7 @@
 @group(1) @binding(1) var<storage, read> knobs: array<f32>;
 @group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
 // Light [1/sr] and where the air that it comes from ends: at a surface (positive) or not (negative); 0 off the tile.
-@group(3) @binding(3) var<storage, read_write> samples: array<vec4f>;
+@group(3) @binding(2) var<storage, read_write> samples: array<vec4f>;
 
 fn sample_index(slice: u32, number: u32) -> u32 {
     return slice * (u32(knobs[3]) + 1u) + number;

@@ -5,7 +5,7 @@
 @group(1) @binding(1) var<storage, read> knobs: array<f32>;
 @group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
 // Lit columns before every eighth, row by row, place by place: for a threshold (low half) and the next (high half).
-@group(3) @binding(3) var<storage, read_write> sums: array<u32>;
+@group(3) @binding(2) var<storage, read_write> sums: array<u32>;
 
 // The value in 16 bits of a threshold; 65535 is dark for all rays.
 fn threshold_at(k: u32) -> f32 {
@@ -27,7 +27,7 @@ fn sum_rows(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index
         var at = group.x * (blocks + 1u) * thresholds + k;
         sums[at] = 0u;
         for (var block = 0u; block < blocks; block++) {
-            let leaf = leaves[group.x * blocks + block];
+            let leaf = tree[tree_row(group.x, blocks) + block];
             let low = leaf & vec4u(0xffffu);
             let high = leaf >> vec4u(16u);
             let lit = vec4u(own >= low) + vec4u(own >= high) + ((vec4u(next >= low) + vec4u(next >= high)) << vec4u(16u));

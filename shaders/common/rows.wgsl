@@ -3,10 +3,14 @@
 
 // Least and greatest row coordinate, a and c that the tile's pixels ask for, as integers of the same order.
 @group(3) @binding(0) var<storage, read_write> asked: array<atomic<u32>, 16>;
-// Eight columns each, 16 bits a column.
-@group(3) @binding(1) var<storage, read_write> leaves: array<vec4u>;
-// Least (low half) and greatest (high half) threshold of four children each: of 8, then of 32, then of 128 columns.
-@group(3) @binding(2) var<storage, read_write> nodes: array<vec4u>;
+// Row by row: leaves of eight columns each, 16 bits a column; then nodes, least (low half) and greatest (high half) threshold
+// of four children each: of 8, then of 32, then of 128 columns.
+@group(3) @binding(1) var<storage, read_write> tree: array<vec4u>;
+
+// Where a row begins in the tree, for rows of so many leaves.
+fn tree_row(row: u32, blocks: u32) -> u32 {
+    return row * (blocks + 21u * (blocks / 64u));
+}
 
 // What lies along a ray in its slice.
 struct Slice {
@@ -232,7 +236,8 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
     let crossing = crossing_of(rows, slice, span.shaded);
     let blocks = rows.columns / 8u;
-    let low = row * 21u * (blocks / 64u);
+    let first_leaf = tree_row(row, blocks);
+    let low = first_leaf + blocks;
     let middle = low + blocks / 4u;
     let high = middle + blocks / 16u;
     var column = select(crossing.first, crossing.last, along);
@@ -244,71 +249,68 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
     var held3 = vec4u(0u);
     if !along {
         count_nodes(1u);
-        held3 = nodes[high + column / 512u];
+        held3 = tree[high + column / 512u];
     }
     // What comes behind the last column: a ray along the light turns twice, all is lit, the air ends.
     var last = select(2u, select(0u, 2u, span.shaded.y <= span.shaded.x), along);
     while last < 4u {
-        while last < 4u && !is_full() {
-            if column < crossing.last {
-                let held = select(select(select(held0, held1, level == 1u), held2, level == 2u), held3, level == 3u);
-                let shift = select(2u * level + 1u, 0u, level == 0u);
-                let children = select(4u, 8u, level == 0u);
-                // Not less than the lower and the upper half of each word.
-                let lower = vec4u(vec4u(crossing.c) >= (held & vec4u(0xffffu)));
-                let upper = vec4u(vec4u(crossing.c) >= (held >> vec4u(16u)));
-                let some = dot(lower, vec4u(1u, 2u, 4u, 8u));
-                let all = dot(upper, vec4u(1u, 2u, 4u, 8u));
-                let each = dot(lower, vec4u(1u, 4u, 16u, 64u)) | dot(upper, vec4u(2u, 8u, 32u, 128u));
-                let lit = select(all, each, level == 0u);
-                let mixed = select(some & ~all, 0u, level == 0u);
-                let whole = children << shift;
-                let begin = column / whole * whole;
-                let other = select(lit | mixed, ~lit, is_lit()) & ((1u << children) - 1u);
-                let next = other & (0xffffffffu << ((column - begin) >> shift));
-                if next == 0u {
-                    column = begin + whole;
-                    level = select(select(select(1u, 2u, column % 32u == 0u), 3u, column % 128u == 0u), 3u, level == 3u);
-                    if column % 512u == 0u && column < crossing.last {
-                        count_nodes(1u);
-                        held3 = nodes[high + column / 512u];
-                    }
-                } else {
-                    let child = firstTrailingBit(next);
-                    column = max(column, begin + (child << shift));
-                    if ((mixed >> child) & 1u) != 0u {
-                        level -= 1u;
-                        if level == 0u {
-                            count_reads(1u);
-                            held0 = leaves[row * blocks + column / 8u];
-                        } else {
-                            count_nodes(1u);
-                            let index = select(middle + column / 128u, low + column / 32u, level == 1u);
-                            let node = nodes[index];
-                            held1 = select(held1, node, level == 1u);
-                            held2 = select(held2, node, level == 2u);
-                        }
-                    } else if column < crossing.last {
-                        // Distances are found later, for all borders together.
-                        turn(!is_lit(), -1.0 - f32(column));
-                    }
+        while column < crossing.last && !is_full() {
+            let held = select(select(select(held0, held1, level == 1u), held2, level == 2u), held3, level == 3u);
+            let shift = select(2u * level + 1u, 0u, level == 0u);
+            let children = select(4u, 8u, level == 0u);
+            // Not less than the lower and the upper half of each word.
+            let lower = vec4u(vec4u(crossing.c) >= (held & vec4u(0xffffu)));
+            let upper = vec4u(vec4u(crossing.c) >= (held >> vec4u(16u)));
+            let some = dot(lower, vec4u(1u, 2u, 4u, 8u));
+            let all = dot(upper, vec4u(1u, 2u, 4u, 8u));
+            let each = dot(lower, vec4u(1u, 4u, 16u, 64u)) | dot(upper, vec4u(2u, 8u, 32u, 128u));
+            let lit = select(all, each, level == 0u);
+            let mixed = select(some & ~all, 0u, level == 0u);
+            let whole = children << shift;
+            let begin = column / whole * whole;
+            let other = select(lit | mixed, ~lit, is_lit()) & ((1u << children) - 1u);
+            let next = other & (0xffffffffu << ((column - begin) >> shift));
+            if next == 0u {
+                column = begin + whole;
+                level = select(select(select(1u, 2u, column % 32u == 0u), 3u, column % 128u == 0u), 3u, level == 3u);
+                if column % 512u == 0u && column < crossing.last {
+                    count_nodes(1u);
+                    held3 = tree[high + column / 512u];
                 }
             } else {
-                var lit = last == 2u;
-                var t = span.shaded.y;
-                if last == 0u {
-                    lit = slice.cosine < 0.0;
-                    t = span.shaded.x;
-                } else if last == 1u {
-                    count_reads(1u);
-                    lit = slice.cosine >= 0.0;
-                    t = turn_along_light(slice, span.shaded);
-                } else if last == 3u {
-                    t = span.air.y;
+                let child = firstTrailingBit(next);
+                column = max(column, begin + (child << shift));
+                if ((mixed >> child) & 1u) != 0u {
+                    level -= 1u;
+                    count_reads(u32(level == 0u));
+                    count_nodes(u32(level != 0u));
+                    let node = select(select(middle + column / 128u, low + column / 32u, level == 1u),
+                                      first_leaf + column / 8u, level == 0u);
+                    let found = tree[node];
+                    held0 = select(held0, found, level == 0u);
+                    held1 = select(held1, found, level == 1u);
+                    held2 = select(held2, found, level == 2u);
+                } else if column < crossing.last {
+                    // Distances are found later, for all borders together.
+                    turn(!is_lit(), -1.0 - f32(column));
                 }
-                turn(lit, t);
-                last += 1u;
             }
+        }
+        while column >= crossing.last && last < 4u && !is_full() {
+            var lit = last == 2u;
+            var t = span.shaded.y;
+            if last == 0u {
+                lit = slice.cosine < 0.0;
+                t = span.shaded.x;
+            } else if last == 1u {
+                count_reads(1u);
+                lit = slice.cosine >= 0.0;
+                t = turn_along_light(slice, span.shaded);
+            } else if last == 3u {
+                t = span.air.y;
+            }
+            turn(lit, t);
+            last += 1u;
         }
         // The errors of many borders cancel, so that few are worth a finer look.
         let steps = select(0u, halvings, run_count <= 8u);

@@ -34,8 +34,8 @@ pub const ROWS: Knob = Knob {
 pub const COLUMNS: Knob = Knob {
     name: "columns",
     meaning: "columns of each row (a multiple of 512 is taken)",
-    values: [512.0, 1024.0, 2048.0, 4096.0],
-    range: [512.0, 4096.0],
+    values: [512.0, 1024.0, 2048.0, 2048.0],
+    range: [512.0, 8192.0],
 };
 
 /// The number of rows across a tile's diagonal.
@@ -58,21 +58,17 @@ pub fn table(settings: &Settings<'_>) -> Vec<f32> {
     vec![rows(settings) as f32, columns(settings) as f32]
 }
 
-/// What the tile's pixels ask for, and the map's leaves and nodes.
-pub const SCRATCH: [Scratch; 3] = [
+/// What the tile's pixels ask for, and the rows with their trees.
+pub const SCRATCH: [Scratch; 2] = [
     Scratch {
         name: "bounds of rows",
         bytes: |_, _| 64,
     },
     Scratch {
-        name: "leaves of rows",
-        bytes: |settings, _| 2 * u64::from(most_rows(settings)) * u64::from(columns(settings)),
-    },
-    Scratch {
-        name: "nodes of rows",
-        // 16 bytes for 32, 128 and 512 columns each.
+        name: "rows around the sun (their knobs rows and columns)",
+        // 16 bytes for each 8, 32, 128 and 512 columns.
         bytes: |settings, _| {
-            16 * 21 * u64::from(most_rows(settings)) * u64::from(columns(settings) / COLUMNS_STEP)
+            16 * 85 * u64::from(most_rows(settings)) * u64::from(columns(settings) / COLUMNS_STEP)
         },
     },
 ];

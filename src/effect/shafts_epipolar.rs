@@ -133,7 +133,6 @@ const USES: &[Resource] = &[
 const SCRATCH: &[Scratch] = &[
     rows::SCRATCH[0],
     rows::SCRATCH[1],
-    rows::SCRATCH[2],
     Scratch {
         name: "samples of slices",
         // One more than the last interval needs, a slice.

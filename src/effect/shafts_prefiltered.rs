@@ -81,7 +81,6 @@ const USES: &[Resource] = &[
 const SCRATCH: &[Scratch] = &[
     rows::SCRATCH[0],
     rows::SCRATCH[1],
-    rows::SCRATCH[2],
     Scratch {
         name: "prefix sums of rows",
         bytes: |settings: &Settings<'_>, _| {
