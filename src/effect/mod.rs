@@ -18,6 +18,7 @@ pub mod shadow;
 pub mod shafts;
 pub mod shafts_epipolar;
 pub mod shafts_march;
+pub mod shafts_planes;
 pub mod shafts_prefiltered;
 pub mod shafts_rectified;
 pub mod sky_dome;
@@ -47,6 +48,7 @@ pub const ALL: &[&Effect] = &[
     &shafts_epipolar::SHAFTS_EPIPOLAR,
     &shafts_prefiltered::SHAFTS_PREFILTERED,
     &shafts_march::SHAFTS_MARCH,
+    &shafts_planes::SHAFTS_PLANES,
     &air_shadow::AIR_SHADOW,
     &compose::COMPOSE,
 ];

@@ -137,6 +137,16 @@ pub fn sweeps() -> Vec<Trial> {
             ],
         );
     }
+    // Dobashi's figures 5 and 6.
+    for (planes, lattice) in [
+        (15.0, 20.0),
+        (30.0, 20.0),
+        (75.0, 20.0),
+        (75.0, 5.0),
+        (75.0, 80.0),
+    ] {
+        add(Method::Planes, &[("planes", planes), ("lattice", lattice)]);
+    }
     for trial in &mut trials {
         trial.baseline = trial.method == Method::March && trial.set == [("steps", 64.0)];
     }

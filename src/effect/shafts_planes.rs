@@ -1,0 +1,102 @@
+//! Sunlight in the air on virtual planes across the view: the first method that ran on graphics hardware.
+//!
+//! Planes stand at even distances between the nearest and the farthest air that the tile shows (up to an optical depth of 9 before
+//! the eye; what lies behind, 1.2e-4 of whose light comes through, is left out), each in the middle of its slab: at depths of a
+//! perspective or orthographic view, at distances of a panorama. A ray's light is
+//!
+//! L = E sum over k of V_k xi_k Delta t_k, xi = sum over i of sigma_s,i p_i(mu) e^-(tau_eye + tau_sun)
+//!
+//! (equations 5 and 6). V_k, whether the sun reaches plane k, is read from the sun's maps for every pixel. The smooth factor xi is
+//! computed once for each point of a coarse lattice on each plane and interpolated bilinearly between them.
+//!
+//! Source: Y. Dobashi, T. Yamamoto, T. Nishita, "Interactive Rendering Method for Displaying Shafts of Light", Proc. Pacific
+//! Graphics 2000, sections 4 and 5. Two misprints are put right: the attenuation toward the light in equation 6 is exp(-kappa rho r),
+//! not exp(-r); the density rho of equation 2 is a factor of what scatters, not of the transmittance beta. Their sunlight is not
+//! attenuated on its way through the air; ours is.
+//!
+//! Differs: where there is air, and how dense, is known exactly for each ray, so that Delta t_k is the length of ray (in air that
+//! thins with height, the length of air as dense as at its base) inside the medium, in front of the surface and inside the slab,
+//! where theirs is the planes' distance. The lattice holds e^-(tau_eye + tau_sun); sigma_s p(mu), the same on all planes under parallel
+//! light, is interpolated between the same four points' rays. Where a surface or a border of the air cuts a slab, the shadow is
+//! read in the middle of what is left, since the plane may lie behind the surface. There is no sum in 8 bits.
+//!
+//! Without shadows the error falls as 1 / planes^2 and 1 / lattice^2. A slab is lit or dark as a whole: with shadows the error falls
+//! as 1 / planes, and whatever is thinner than a slab is seen or missed by chance, on neighbouring rays alike.
+
+use super::shafts::{self, Method, SUNS};
+use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, Scratch, Settings};
+
+/// Virtual planes.
+pub const SHAFTS_PLANES: Effect = Effect {
+    name: "shafts_planes",
+    summary: "sunlight scattered by the air, on virtual planes across the view",
+    reads: &[Field::Surface],
+    writes: &[Field::InscatterSun],
+    remembers: false,
+    method: Some(Method::Planes),
+    knobs: &[
+        SUNS,
+        Knob {
+            name: "planes",
+            meaning: "virtual planes through the air that each tile of the picture shows",
+            values: [15.0, 75.0, 150.0, 600.0],
+            range: [1.0, 4096.0],
+        },
+        Knob {
+            name: "lattice",
+            meaning: "lattice points along each side of a plane (never more than pixels)",
+            values: [10.0, 20.0, 40.0, 80.0],
+            range: [2.0, 512.0],
+        },
+    ],
+    decide: shafts::decide,
+    reference: shafts::reference,
+    passes: &[
+        pass("begin", Over::Groups(|_| [1, 1]), USES),
+        pass("measure", Over::Pixels, USES),
+        pass(
+            "weigh",
+            Over::Groups(|settings| [(lattice(settings).pow(2)).div_ceil(64), planes(settings)]),
+            USES,
+        ),
+        pass("integrate", Over::Pixels, SUMS),
+    ],
+};
+
+const fn pass(entry: &'static str, over: Over, uses: &'static [Resource]) -> Pass {
+    Pass {
+        shader: include_str!("../../shaders/shafts_planes.wgsl"),
+        entry,
+        kind: Kind::EachSun("suns", over),
+        uses,
+        scratch: &SCRATCH,
+    }
+}
+
+const SURFACES: Resource = Resource::Read(Field::Surface);
+const KNOBS: Resource =
+    Resource::Table(|_, settings| vec![planes(settings) as f32, lattice(settings) as f32]);
+const USES: &[Resource] = &[SURFACES, KNOBS];
+const SUMS: &[Resource] = &[SURFACES, KNOBS, Resource::Update(Field::InscatterSun)];
+
+const SCRATCH: [Scratch; 2] = [
+    Scratch {
+        name: "depths of the air",
+        bytes: |_, _| 8,
+    },
+    Scratch {
+        name: "lattices of the planes",
+        // Never more points than pixels.
+        bytes: |settings, pixels| {
+            16 * u64::from(planes(settings)) * u64::from(lattice(settings)).pow(2).min(pixels)
+        },
+    },
+];
+
+fn planes(settings: &Settings<'_>) -> u32 {
+    settings.get("planes") as u32
+}
+
+fn lattice(settings: &Settings<'_>) -> u32 {
+    settings.get("lattice") as u32
+}
