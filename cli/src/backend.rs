@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use std::time::Duration;
 use tyndall::Result;
 use tyndall::accuracy::Check;
+use tyndall::effect::Method;
 use tyndall::frame::Frame;
 use tyndall::gpu::{self, Choice, Device, Gpu, adapters};
 use tyndall::plan::Plan;
@@ -89,7 +90,8 @@ impl Backend {
             Backend::Gpu(device) => {
                 let mut gpu = Gpu::new(plan, *device)?;
                 let rendered = gpu.render(memory, progress)?;
-                Ok(by_gpu(&gpu, rendered))
+                let mut methods = plan.running().filter_map(|step| step.effect.method);
+                Ok(by_gpu(&gpu, rendered, methods.next()))
             }
             Backend::Reference => {
                 let rendered = Reference::new(plan).render(memory, progress)?;
@@ -100,7 +102,7 @@ impl Backend {
                     stages: rendered
                         .stages
                         .iter()
-                        .map(|stage| (stage.effect.to_owned(), share(stage.time) * wall))
+                        .map(|stage| (plain(stage.effect).to_owned(), share(stage.time) * wall))
                         .collect(),
                     refined: rendered.refined,
                     elapsed: rendered.elapsed,
@@ -113,7 +115,15 @@ impl Backend {
     }
 }
 
-fn by_gpu(gpu: &Gpu, rendered: gpu::Rendered) -> Done {
+/// The reference is exact and knows none of the methods by which a GPU integrates sunlight in the air.
+fn plain(effect: &str) -> &str {
+    match effect.starts_with("shafts_") {
+        true => "shafts",
+        false => effect,
+    }
+}
+
+fn by_gpu(gpu: &Gpu, rendered: gpu::Rendered, method: Option<Method>) -> Done {
     let mut stages = Vec::new();
     let mut known = 0.0;
     for pass in &rendered.passes {
@@ -142,7 +152,7 @@ fn by_gpu(gpu: &Gpu, rendered: gpu::Rendered) -> Done {
         stages,
         refined: 0,
         elapsed: rendered.elapsed,
-        method: "march (gpu)",
+        method: method.map_or("none", Method::name),
         details: json!({
             "backend": "gpu",
             "adapter": gpu.device().adapter,

@@ -1,10 +1,11 @@
-//! `--max-error` and `--within`: the quality that this picture needs, measured on this machine.
+//! `--max-error` and `--within`: the quality and the method that this picture needs, measured on this machine.
 
 use crate::backend::{Backend, BackendFlag};
 use crate::scene_args::PlanArgs;
 use std::time::Instant;
 use tyndall::accuracy;
 use tyndall::conditions::Conditions;
+use tyndall::effect::Method;
 use tyndall::plan::{Plan, Quality};
 use tyndall::reference::{Reference, predict};
 use tyndall::{Error, Result};
@@ -15,6 +16,8 @@ const PIXELS: usize = 200;
 /// What was chosen, and the measured reason in words.
 pub struct Chosen {
     pub quality: Quality,
+    /// How a GPU integrates sunlight in the air; `None` leaves it to the plan.
+    pub method: Option<Method>,
     pub why: Option<String>,
 }
 
@@ -34,6 +37,7 @@ pub fn quality(
         (None, Some(limit)) => by_time(args, conditions, backend, memory, limit),
         (None, None) => Ok(Chosen {
             quality: args.quality,
+            method: args.method.0,
             why: None,
         }),
     }
@@ -51,31 +55,61 @@ fn by_error(
     let yardstick = Plan::new(conditions, &finest)?;
     let mut least = f64::INFINITY;
     for quality in Quality::ALL {
-        let plan = Plan::new(conditions, &args.overrules_at(quality))?;
-        let error = match Backend::new(backend)? {
-            Backend::Reference => accuracy::compare(&plan, &yardstick, PIXELS)?,
-            gpu => {
-                let frame = gpu.render(&plan, memory, &|_| {})?.frame;
-                accuracy::check(&frame, &yardstick, PIXELS)?
+        let mut cheapest: Option<(f64, f64, Option<Method>)> = None;
+        for method in candidates(args, conditions, backend)? {
+            let plan = Plan::new(conditions, &args.overrules_with(quality, method))?;
+            let (error, seconds) = match Backend::new(backend)? {
+                Backend::Reference => (accuracy::compare(&plan, &yardstick, PIXELS)?, 0.0),
+                gpu => {
+                    let done = gpu.render(&plan, memory, &|_| {})?;
+                    let ours = done
+                        .stages
+                        .iter()
+                        .filter(|(name, _)| name.starts_with("shafts_"));
+                    let seconds = ours.map(|(_, seconds)| seconds).sum();
+                    (accuracy::check(&done.frame, &yardstick, PIXELS)?, seconds)
+                }
+            };
+            let error = error.picture().relative_rmse;
+            least = least.min(error);
+            if error <= most && cheapest.is_none_or(|(_, best, _)| seconds < best) {
+                cheapest = Some((error, seconds, method));
             }
-        };
-        let error = error.picture().relative_rmse;
-        if error <= most {
+        }
+        if let Some((error, _, method)) = cheapest {
+            let name = method.map_or(String::new(), |method| format!(", {}", method.name()));
             let why = format!(
-                "{}: relative RMSE {error:.1e} at {PIXELS} pixels, {most:.1e} asked for",
+                "{}{name}: relative RMSE {error:.1e} at {PIXELS} pixels, {most:.1e} asked for",
                 quality.name()
             );
             return Ok(Chosen {
                 quality,
+                method,
                 why: Some(why),
             });
         }
-        least = least.min(error);
     }
     Err(Error::failed(
         format!("no quality comes below --max-error {most}: the best has {least:.1e}"),
         "allow more, or set knobs with --set (`tyndall plan` lists them)",
     ))
+}
+
+/// The methods that are tried: the one that is asked for, or with `auto` on a GPU those that may be the cheapest.
+fn candidates(
+    args: &PlanArgs,
+    conditions: &Conditions,
+    backend: BackendFlag,
+) -> Result<Vec<Option<Method>>> {
+    let plan = Plan::new(conditions, &args.overrules())?;
+    let has_shafts = plan.running().any(|step| step.effect.method.is_some());
+    let on_gpu = !matches!(Backend::new(backend)?, Backend::Reference);
+    Ok(match args.method.0 {
+        None if has_shafts && on_gpu => [Method::Rectified, Method::Epipolar, Method::Prefiltered]
+            .map(Some)
+            .to_vec(),
+        given => vec![given],
+    })
 }
 
 fn by_time(
@@ -106,6 +140,7 @@ fn by_time(
             );
             return Ok(Chosen {
                 quality,
+                method: args.method.0,
                 why: Some(why),
             });
         }

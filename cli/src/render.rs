@@ -79,7 +79,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let backend = Backend::new(args.backend)?;
     let memory = (args.max_memory * f64::from(1 << 30)) as u64;
     let chosen = choose::quality(&args.plan, &conditions, args.backend, memory)?;
-    let plan = Plan::new(&conditions, &args.plan.overrules_at(chosen.quality))?;
+    let plan = Plan::new(
+        &conditions,
+        &args.plan.overrules_with(chosen.quality, chosen.method),
+    )?;
     tell::chosen(chosen.why.as_deref());
     tell::plan(&plan, &backend.describe());
     let prepared = start.elapsed();

@@ -102,9 +102,14 @@ impl PlanArgs {
 
     /// The same at another quality.
     pub fn overrules_at(&self, quality: Quality) -> Overrules {
+        self.overrules_with(quality, self.method.0)
+    }
+
+    /// The same at another quality and by another method.
+    pub fn overrules_with(&self, quality: Quality, method: Option<Method>) -> Overrules {
         Overrules {
             quality,
-            method: self.method.0,
+            method,
             tolerance: self.tolerance,
             set: self.set.clone(),
             force: self.force.clone(),

@@ -268,9 +268,11 @@ fn no_haze_no_shafts_and_no_sun_no_sun_passes() {
         }
     };
     let day = decisions(&["slats.toml"]);
-    assert!(day("shafts") && day("surface_sun") && day("transmittance") && !day("sun_disc"));
+    assert!(
+        day("shafts_rectified") && day("surface_sun") && day("transmittance") && !day("sun_disc")
+    );
     let night = decisions(&["slats.toml", "--time", "2026-06-21T23:30"]);
-    assert!(!night("shafts") && !night("surface_sun") && night("surface_sky"));
+    assert!(!night("shafts_rectified") && !night("surface_sun") && night("surface_sky"));
     std::fs::write(
         folder.path().join("clear.toml"),
         "mesh = \"slats.obj\"\n[sun]\nazimuth = 120\nelevation = 30\nilluminance = 1\ndiameter = 0\n",
@@ -278,10 +280,13 @@ fn no_haze_no_shafts_and_no_sun_no_sun_passes() {
     .expect("written");
     let clear = decisions(&["clear.toml"]);
     assert!(
-        !clear("shafts") && !clear("transmittance") && !clear("sky_dome") && clear("surface_sun")
+        !clear("shafts_rectified")
+            && !clear("transmittance")
+            && !clear("sky_dome")
+            && clear("surface_sun")
     );
     let without = decisions(&["slats.toml", "--without", "shafts"]);
-    assert!(!without("shafts"));
+    assert!(!without("shafts_rectified"));
     let output = tyndall(folder.path(), &["plan", "clear.toml", "--force", "shafts"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
 }
