@@ -68,13 +68,22 @@ pub fn print(
             if i == 0 {
                 out.line(&join(row.keys().cloned().collect()))?;
             }
-            let cell = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_owned);
+            let cell = |v: &Value| v.as_str().map_or_else(|| v.to_string(), quoted);
             out.line(&join(row.values().map(cell).collect()))?;
         }
     } else {
         table(&mut out)?;
     }
     out.finish()
+}
+
+/// A text as a cell of CSV (RFC 4180): in quotes where it has a comma or quotes itself.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
 }
 
 pub fn columns<const N: usize>(columns: [(&str, Value); N]) -> Columns {

@@ -95,7 +95,7 @@ pub fn sweeps() -> Vec<Trial> {
             Method::Rectified,
             &[
                 ("rows", size),
-                ("columns", size),
+                ("columns", f64::min(size, 2048.0)),
                 ("blend", blend),
                 ("halvings", halvings),
             ],
@@ -137,12 +137,13 @@ pub fn sweeps() -> Vec<Trial> {
             ],
         );
     }
-    // Dobashi's figures 5 and 6.
+    // The settings of Dobashi et al. 2000, figures 5 and 6.
     for (planes, lattice) in [
-        (15.0, 20.0),
-        (30.0, 20.0),
-        (75.0, 20.0),
+        (15.0, 40.0),
+        (30.0, 40.0),
         (75.0, 5.0),
+        (75.0, 20.0),
+        (75.0, 40.0),
         (75.0, 80.0),
     ] {
         add(Method::Planes, &[("planes", planes), ("lattice", lattice)]);

@@ -1,0 +1,117 @@
+//! `tyndall accuracy --effect shafts` from the outside: table, JSON, CSV, plot and pictures.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+use tyndall::gpu::adapters;
+
+/// Notes that a test could not run and why, as the library's tests do.
+fn not_run(test: &str, reason: &str) {
+    eprintln!("not run: {test}: {reason}");
+    if let Some(path) = std::env::var_os("TYNDALL_NOT_RUN") {
+        use std::io::Write;
+        let file = std::fs::OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(path);
+        let written = file.and_then(|mut file| writeln!(file, "{test}\t{reason}"));
+        written.expect("the list of tests not run can be written");
+    }
+}
+
+/// Whether there is a graphics adapter; noted without one, a failure when `REQUIRE_GPU=1`.
+fn gpu(test: &str) -> bool {
+    let found = !adapters::report().adapters.is_empty();
+    if !found {
+        let required = std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1");
+        assert!(
+            !required,
+            "REQUIRE_GPU is 1 and there is no graphics adapter"
+        );
+        not_run(test, "there is no graphics adapter");
+    }
+    found
+}
+
+/// What the command prints for the slats at a tiny size.
+fn study(folder: &Path, more: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_tyndall"))
+        .current_dir(folder)
+        .args(["accuracy", "--effect", "shafts", "--study", "slats"])
+        .args(["--study-size", "32x32", "--frames", "1"])
+        .args(["--set", "shadow.resolution=512"])
+        .args(more)
+        .output()
+        .expect("tyndall starts");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    String::from_utf8(output.stdout).expect("the output is UTF-8")
+}
+
+#[test]
+fn the_study_of_shafts_has_its_table_its_plot_and_its_pictures() {
+    if !gpu("the_study_of_shafts_has_its_table_its_plot_and_its_pictures") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = ["--plot", "cost.html", "--pictures", "pictures"];
+    let table = study(folder.path(), &files);
+    for words in [
+        "medians of 1 frames",
+        "slats, 32 x 32",
+        "rel. RMSE",
+        "march steps 64 ",
+        "planes planes 15, lattice 40",
+        "rectified rows 1024",
+        "best of the settings within 1 %",
+    ] {
+        assert!(table.contains(words), "`{words}` is not in\n{table}");
+    }
+    let plot = std::fs::read_to_string(folder.path().join("cost-slats.html")).expect("a plot");
+    assert!(plot.contains("games: 64 steps") && plot.contains("Pareto front"));
+    for name in ["truth", "march-64", "march-64-error-x4"] {
+        let path = folder.path().join(format!("pictures/slats-{name}.png"));
+        let picture = image::open(path).expect("a PNG");
+        assert_eq!((picture.width(), picture.height()), (32, 32), "{name}");
+    }
+}
+
+#[test]
+fn the_study_of_shafts_as_json_and_csv() {
+    if !gpu("the_study_of_shafts_as_json_and_csv") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let only = ["--method", "planes"];
+    let json = study(folder.path(), &[&only[..], &["--json"]].concat());
+    let json: Value = serde_json::from_str(&json).expect("it is JSON");
+    let rows = json.as_array().expect("a list of rows");
+    let methods: Vec<&str> = rows.iter().filter_map(|r| r["method"].as_str()).collect();
+    assert!(methods.contains(&"planes") && methods.contains(&"march"));
+    assert!(!methods.contains(&"rectified"));
+    let baselines: Vec<_> = rows.iter().filter(|r| r["baseline"] == true).collect();
+    assert_eq!(baselines.len(), 1);
+    assert_eq!(baselines[0]["setting"], "march steps 64");
+    for row in rows {
+        assert!(row["adapter"].as_str().is_some_and(|a| !a.is_empty()));
+        for number in ["relative_rmse", "reads_per_pixel", "hdr_flip"] {
+            let value = row[number].as_f64();
+            assert!(value.is_some_and(|v| v > 0.0 && v.is_finite()), "{row}");
+        }
+    }
+    assert!(rows.iter().any(|row| row["front_by_reads"] == true));
+
+    let csv = study(folder.path(), &[&only[..], &["--csv"]].concat());
+    let mut lines = csv.lines();
+    let heads = lines.next().expect("a line of names");
+    for name in ["scene", "adapter", "setting", "relative_rmse", "hdr_flip"] {
+        assert!(heads.split(',').any(|head| head == name), "{heads}");
+    }
+    // Commas in quotes belong to a cell: adapters' and settings' names have some.
+    let cells = |line: &str| {
+        let outside = line.split('"').step_by(2);
+        1 + outside.map(|part| part.matches(',').count()).sum::<usize>()
+    };
+    let counts: Vec<usize> = lines.map(cells).collect();
+    assert_eq!(counts, vec![cells(heads); rows.len()], "{csv}");
+}
