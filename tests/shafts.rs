@@ -3,14 +3,17 @@
 mod common;
 
 use common::build::layer;
+use common::scenes::soup;
 use common::views::*;
 use glam::{DVec2, DVec3};
 use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
-use tyndall::effect::{Field, Method};
+use tyndall::effect::{
+    Contribution, Decision, Effect, Field, Kind, Method, Over, Pass, Resource, rows,
+};
 use tyndall::frame::Frame;
 use tyndall::gpu::{Choice, Device, Gpu, Rendered};
 use tyndall::medium::{Phase, Shape};
-use tyndall::plan::{Overrules, Plan, Quality};
+use tyndall::plan::{Overrules, Plan, Quality, Step};
 use tyndall::reference::Reference;
 use tyndall::scene::{self as files, Camera, Projection, SunEntry};
 use tyndall::studies::shafts::errors;
@@ -548,4 +551,141 @@ fn a_slow_sun_does_not_shimmer() {
             second / own
         );
     }
+}
+
+/// Goes through every column of a pixel's row, and looks at every node of it: red is the relative difference between what tree
+/// and columns give, green the number of nodes that do not enclose their leaves, blue whether there is light.
+const BRUTE: Effect = Effect {
+    name: "brute",
+    summary: "rows without their trees",
+    reads: &[Field::Surface],
+    writes: &[Field::Lights],
+    remembers: false,
+    method: None,
+    knobs: &[],
+    decide: |_| Decision::run("a test", Contribution::Bound(1e9)),
+    reference: |_, _| Box::new(|_| {}),
+    passes: &[
+        rows::BEGIN,
+        rows::MEASURE,
+        rows::BUILD,
+        Pass {
+            shader: "
+@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
+@group(1) @binding(1) var<storage, read> knobs: array<f32>;
+@group(1) @binding(2) var<storage, read_write> lights: array<vec4f>;
+
+fn threshold_of(row: u32, column: u32, blocks: u32) -> u32 {
+    let pair = tree[tree_row(row, blocks) + column / 8u][(column / 2u) % 4u];
+    return select(pair & 0xffffu, pair >> 16u, (column & 1u) != 0u);
+}
+
+fn strays(row: u32, blocks: u32) -> u32 {
+    var found = 0u;
+    var first = tree_row(row, blocks) + blocks;
+    for (var level = 0u; level < 3u; level++) {
+        let width = 8u << (2u * level);
+        let count = blocks >> (2u * level + 2u);
+        for (var node = 0u; node < count; node++) {
+            for (var child = 0u; child < 4u; child++) {
+                let bounds = tree[first + node][child];
+                var least = 65535u;
+                var greatest = 0u;
+                for (var k = 0u; k < width; k++) {
+                    let d = threshold_of(row, (4u * node + child) * width + k, blocks);
+                    least = min(least, d);
+                    greatest = max(greatest, d);
+                }
+                found += u32(bounds != (least | (greatest << 16u)));
+            }
+        }
+        first += count;
+    }
+    return found;
+}
+
+@compute @workgroup_size(8, 8)
+fn brute(@builtin(global_invocation_id) id: vec3u) {
+    if !inside_tile(id) {
+        return;
+    }
+    let i = pixel_index(id);
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let span = shaded_span(origin, direction, surfaces[i]);
+    let slice = slice_of(origin, direction);
+    if span.shaded.y <= span.shaded.x || along_light(slice, span.shaded) {
+        return;
+    }
+    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let blocks = rows.columns / 8u;
+    let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
+    let by_tree = scattered_in_row(origin, direction, slice, span, rows, row, 0u);
+    let crossing = crossing_of(rows, slice, span.shaded);
+    begin_runs(origin, direction, span.air);
+    var column = crossing.first;
+    while column < crossing.last {
+        while column < crossing.last && !is_full() {
+            let t = column_distance(rows, slice, span, f32(column));
+            turn(crossing.c >= threshold_of(row, column, blocks), select(t, span.shaded.x, column == crossing.first));
+            column++;
+        }
+        integrate_runs();
+    }
+    turn(true, span.shaded.y);
+    turn(false, span.air.y);
+    integrate_runs();
+    let off = abs(by_tree - run_sum) / max(run_sum, vec3f(1e-20));
+    lights[i] = vec4f(max(off.x, max(off.y, off.z)), f32(strays(row, blocks)), f32(any(run_sum > vec3f(0.0))), 0.0);
+}
+",
+            entry: "brute",
+            kind: Kind::EachSun("suns", Over::Pixels),
+            uses: &[
+                Resource::Read(Field::Surface),
+                Resource::Table(|_, settings| rows::table(settings)),
+                Resource::Update(Field::Lights),
+            ],
+            scratch: &rows::SCRATCH,
+        },
+    ],
+};
+
+#[test]
+fn trees_enclose_their_leaves_and_give_what_every_column_gives() {
+    let test = "trees_enclose_their_leaves_and_give_what_every_column_gives";
+    if !common::gpu(test) {
+        return;
+    }
+    let mut seen = 0;
+    for seed in 1..=8 {
+        // Triangles at random: rows at random.
+        let mut scene = soup(30 * seed as usize, 0.3, seed, [40.0 * seed as f64, 35.0]);
+        let (min, max) = (DVec3::splat(-1.2), DVec3::splat(1.2));
+        let phase = Phase::HenyeyGreenstein { g: 0.3 };
+        scene.media = vec![fog(Shape::Box { min, max }, 0.2, 0.05, phase)];
+        let camera = Camera::look_at(DVec3::new(0.3, 0.2, 3.0), DVec3::ZERO, 50f64.to_radians());
+        let view = View {
+            name: "soup",
+            scene,
+            camera,
+        };
+        let conditions = view.conditions([24, 16]).expect("sound");
+        let mut plan = plan(&conditions, Method::Rectified, Quality::Preview, &[]);
+        let settings = vec![("suns", 1.0), ("rows", 64.0), ("columns", 1024.0)];
+        plan.steps.insert(
+            plan.steps.len() - 1,
+            Step {
+                effect: &BRUTE,
+                decision: (BRUTE.decide)(&conditions),
+                settings,
+            },
+        );
+        for found in layer(&render(&plan).frame, Field::Lights) {
+            assert!(found.x < 1e-6, "{seed}: {found}");
+            assert!(found.y == 0.0, "{seed}: {found}");
+            seen += usize::from(found.z > 0.0);
+        }
+    }
+    assert!(seen > 500, "{seen}");
 }
