@@ -38,6 +38,14 @@ pub const COLUMNS: Knob = Knob {
     range: [512.0, 8192.0],
 };
 
+/// How exactly borders of light are found.
+pub const HALVINGS: Knob = Knob {
+    name: "halvings",
+    meaning: "reads of the maps by which each border of light is made finer than columns",
+    values: [0.0, 5.0, 5.0, 5.0],
+    range: [0.0, 8.0],
+};
+
 /// The number of rows across a tile's diagonal.
 fn rows(settings: &Settings<'_>) -> u32 {
     settings.get("rows") as u32

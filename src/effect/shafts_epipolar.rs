@@ -45,12 +45,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
             values: [0.05, 0.02, 0.01, 0.002],
             range: [0.0, 1.0],
         },
-        Knob {
-            name: "halvings",
-            meaning: "reads of the maps by which each border of light is made finer than columns",
-            values: [0.0, 5.0, 5.0, 5.0],
-            range: [0.0, 8.0],
-        },
+        rows::HALVINGS,
     ],
     decide: shafts::decide,
     reference: shafts::reference,

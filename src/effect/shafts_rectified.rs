@@ -33,12 +33,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
             values: [1.0; 4],
             range: [1.0, 2.0],
         },
-        Knob {
-            name: "halvings",
-            meaning: "reads of the maps by which each border of light is made finer than columns",
-            values: [0.0, 5.0, 5.0, 5.0],
-            range: [0.0, 8.0],
-        },
+        rows::HALVINGS,
     ],
     decide: shafts::decide,
     reference: shafts::reference,
