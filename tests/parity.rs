@@ -27,9 +27,13 @@ const ADEQUATE: Settings = &[
 ];
 
 fn plan<'c>(conditions: &'c Conditions, set: Settings) -> Plan<'c> {
+    plan_by(conditions, Method::March, set)
+}
+
+fn plan_by<'c>(conditions: &'c Conditions, method: Method, set: Settings) -> Plan<'c> {
     let overrules = Overrules {
         quality: Quality::Draft,
-        method: Some(Method::March),
+        method: Some(method),
         set: set
             .iter()
             .chain(&[("visibility.silhouettes", 1.0)])
@@ -591,11 +595,13 @@ fn hard_cases_stay_finite_and_in_order() {
         let size = [[1, 1], [1, 7], [13, 5]][(k / 2) % 3];
         let conditions = conditions(scene, camera, size);
         let set = [("shadow.resolution", 100.0), ("shafts_march.steps", 33.0)];
-        let found = by_gpu(&conditions, &set);
         let truth = by_reference(&conditions);
-        assert!(found.transmittance.iter().all(|t| t.max_element() <= 1.0));
-        let names = |f: &Frame| f.layers.iter().map(|l| l.name).collect::<Vec<_>>();
-        assert_eq!(names(&found), names(&truth), "{k}");
+        for method in Method::ALL {
+            let found = render_on_gpu(&plan_by(&conditions, method, &set)).frame;
+            assert!(found.transmittance.iter().all(|t| t.max_element() <= 1.0));
+            let names = |f: &Frame| f.layers.iter().map(|l| l.name).collect::<Vec<_>>();
+            assert_eq!(names(&found), names(&truth), "{k} {method:?}");
+        }
     }
 }
 

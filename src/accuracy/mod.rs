@@ -177,7 +177,8 @@ fn stratified([width, height]: [u32; 2], count: usize) -> Vec<UVec2> {
     pixels
 }
 
-fn relative_rmse(pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
+/// sqrt(mean((L - R)^2)) / mean(R) over pairs of L and R; 0 where they are equal.
+pub(crate) fn relative_rmse(pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
     let (mut square, mut sum, mut n) = (0.0, 0.0, 0.0);
     for [found, truth] in pairs {
         square += (found - truth) * (found - truth);
@@ -191,6 +192,27 @@ fn relative_rmse(pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
     }
 }
 
+/// The value below which a share `q` of a sorted list lies; 0 for an empty one.
+fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let last = sorted.len().saturating_sub(1);
+    sorted
+        .get((q * last as f64).round() as usize)
+        .copied()
+        .unwrap_or(0.0)
+}
+
+/// 99th percentile of |L - R| / max(R, mean(R) / 100) over pairs of L and R.
+pub(crate) fn percentile_99(pairs: &[[f64; 2]]) -> f64 {
+    let mean = pairs.iter().map(|p| p[1]).sum::<f64>() / pairs.len() as f64;
+    let mut single: Vec<f64> = pairs
+        .iter()
+        .map(|[found, truth]| (found - truth).abs() / truth.max(0.01 * mean))
+        .filter(|e| e.is_finite())
+        .collect();
+    single.sort_unstable_by(f64::total_cmp);
+    quantile(&single, 0.99)
+}
+
 fn error(layer: &'static str, pairs: &[[f64; 2]]) -> LayerError {
     let mean = pairs.iter().map(|p| p[1]).sum::<f64>() / pairs.len() as f64;
     let mut random = Random(0xD1B5_4A32_D192_ED03);
@@ -200,24 +222,12 @@ fn error(layer: &'static str, pairs: &[[f64; 2]]) -> LayerError {
         .filter(|e| e.is_finite())
         .collect();
     resampled.sort_unstable_by(f64::total_cmp);
-    let quantile = |list: &[f64], q: f64| {
-        let last = list.len().saturating_sub(1);
-        list.get((q * last as f64).round() as usize)
-            .copied()
-            .unwrap_or(0.0)
-    };
-    let mut single: Vec<f64> = pairs
-        .iter()
-        .map(|[found, truth]| (found - truth).abs() / truth.max(0.01 * mean))
-        .filter(|e| e.is_finite())
-        .collect();
-    single.sort_unstable_by(f64::total_cmp);
     LayerError {
         layer,
         mean,
         relative_rmse: relative_rmse(pairs.iter().copied()),
         interval: [quantile(&resampled, 0.025), quantile(&resampled, 0.975)],
-        percentile_99: quantile(&single, 0.99),
+        percentile_99: percentile_99(pairs),
     }
 }
 

@@ -4,7 +4,7 @@
 //! first one that does not count; reads and nodes are counted in a frame apart, whose times do not count either. Shadow maps
 //! are shared by all methods and shown apart.
 
-use crate::accuracy::flip;
+use crate::accuracy::{self, flip};
 use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::effect::{ALL, Contribution, Field, Method};
@@ -309,23 +309,11 @@ pub fn errors(found: &[Vec3], truth: &[Vec3]) -> (f64, f64, f64) {
         .zip(truth)
         .map(|(f, t)| [luminance(f.as_dvec3()), luminance(t.as_dvec3())])
         .collect();
-    let n = pairs.len() as f64;
-    let mean = pairs.iter().map(|p| p[1]).sum::<f64>() / n;
-    let square = pairs.iter().map(|[f, t]| (f - t).powi(2)).sum::<f64>() / n;
-    let bias = pairs.iter().map(|[f, t]| f - t).sum::<f64>() / n;
-    let mut single: Vec<f64> = pairs
-        .iter()
-        .map(|[f, t]| (f - t).abs() / t.max(0.01 * mean))
-        .filter(|e| e.is_finite())
-        .collect();
-    single.sort_unstable_by(f64::total_cmp);
-    let last = single.len().saturating_sub(1);
-    let percentile = single.get((0.99 * last as f64).round() as usize).copied();
-    if mean == 0.0 {
-        let any = if square == 0.0 { 0.0 } else { f64::INFINITY };
-        return (any, any, any);
-    }
-    (square.sqrt() / mean, percentile.unwrap_or(0.0), bias / mean)
+    let sum = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>();
+    let (off, light) = (sum(|[f, t]| f - t), sum(|p| p[1]));
+    let bias = if off == 0.0 { 0.0 } else { off / light };
+    let rmse = accuracy::relative_rmse(pairs.iter().copied());
+    (rmse, accuracy::percentile_99(&pairs), bias)
 }
 
 #[cfg(test)]

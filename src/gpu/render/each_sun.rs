@@ -88,19 +88,6 @@ impl Gpu<'_> {
             // The last one changes hands: when points are gone through in turns, the others stay.
             None => maps.slots.len() - 1,
         };
-        let slot = &mut maps.slots[index];
-        if slot.filled && slot.toward == sun.toward {
-            // The same direction may come with another share of the light.
-            let light = light::fit(
-                self.plan.conditions,
-                &maps.casters,
-                sun,
-                maps.partitions,
-                maps.resolution,
-            );
-            self.device.write(&slot.light, &shared::uniform(&light));
-            return Ok(index);
-        }
         let light = light::fit(
             self.plan.conditions,
             &maps.casters,
@@ -108,7 +95,12 @@ impl Gpu<'_> {
             maps.partitions,
             maps.resolution,
         );
+        let slot = &mut maps.slots[index];
+        // The same direction may come with another share of the light.
         self.device.write(&slot.light, &shared::uniform(&light));
+        if slot.filled && slot.toward == sun.toward {
+            return Ok(index);
+        }
         (slot.toward, slot.filled) = (sun.toward, true);
         for k in 0..light.partitions {
             maps.runs += 1;
