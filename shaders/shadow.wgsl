@@ -14,14 +14,20 @@ struct Caster {
 fn caster(corner: vec3f, part: u32) -> vec4f {
     let at = light_coordinates(corner);
     let map = light.maps[part];
-    let share = (at.xy - map.least) / (map.texel * light.resolution);
+    let share = (at.xy - map.least) / (map.texel * light.side);
     let depth = (light.heights.y - at.z) / (light.heights.y - light.heights.x);
     return vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, depth, 1.0);
 }
 
 @vertex
-fn map_vertex(@location(0) corner: vec3f, @builtin(instance_index) part: u32) -> @builtin(position) vec4f {
-    return caster(corner, part);
+fn map_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32,
+              @builtin(instance_index) part: u32) -> Caster {
+    return Caster(caster(corner, part), vec2f(0.0), vertex / 3u);
+}
+
+@fragment
+fn map_fragment(in: Caster) -> @location(0) u32 {
+    return in.triangle + 1u;
 }
 
 @vertex
@@ -31,10 +37,11 @@ fn map_cut_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32
 }
 
 @fragment
-fn map_cut_fragment(in: Caster) {
+fn map_cut_fragment(in: Caster) -> @location(0) u32 {
     let material = materials[material_of[in.triangle]];
     let texel = texels[texel_index(material, in.uv)];
     if f32(texel >> 24u) < material.least_alpha {
         discard;
     }
+    return (in.triangle + 1u) | CUT_OUT;
 }

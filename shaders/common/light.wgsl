@@ -4,6 +4,8 @@ struct PartitionMap {
     // Least light coordinates of the window, and texel sizes [m].
     least: vec2f,
     texel: vec2f,
+    // How many texels it has; they lie in the corner of its layer.
+    @size(16) size: vec2f,
 }
 
 struct Light {
@@ -11,7 +13,8 @@ struct Light {
     partitions: u32,
     // Its share of the illuminance on a plane that faces it [lx].
     illuminance: vec3f,
-    resolution: f32,
+    // Side of the layers in which its maps lie [texels].
+    side: f32,
     // Light coordinates of p are dot(axis.xyz, p) + axis.w; the third is the height toward the sun.
     across: vec4f,
     along: vec4f,
@@ -24,17 +27,29 @@ struct Light {
 
 @group(2) @binding(0) var<uniform> light: Light;
 @group(2) @binding(1) var sun_maps: texture_depth_2d_array;
+// One more than the number of the caster in each texel, 0 for none; CUT_OUT is added for one with holes.
+@group(2) @binding(2) var sun_casters: texture_2d_array<u32>;
+// Corners of all casters, row by row.
+@group(2) @binding(3) var caster_corners: texture_2d<f32>;
+
+const CUT_OUT = 0x80000000u;
+const NO_CASTER = 0xffffffffu;
 
 fn light_coordinates(p: vec3f) -> vec3f {
     return vec3f(dot(light.across.xyz, p) + light.across.w, dot(light.along.xyz, p) + light.along.w,
                  dot(light.height.xyz, p) + light.height.w);
 }
 
+// Of a direction.
+fn axis_parts(direction: vec3f) -> vec3f {
+    return vec3f(dot(light.across.xyz, direction), dot(light.along.xyz, direction), dot(light.height.xyz, direction));
+}
+
 // The finest partition whose map covers a place, by at least `border` texels; `partitions` when none does.
 fn covering(at: vec2f, border: f32) -> u32 {
     for (var k = 0u; k < light.partitions; k++) {
         let q = (at - light.maps[k].least) / light.maps[k].texel;
-        if all(q >= vec2f(border)) && all(q < vec2f(light.resolution - border)) {
+        if all(q >= vec2f(border)) && all(q < light.maps[k].size - border) {
             return k;
         }
     }
@@ -45,6 +60,52 @@ fn covering(at: vec2f, border: f32) -> u32 {
 fn caster_height(part: u32, texel: vec2i) -> f32 {
     let depth = textureLoad(sun_maps, texel, part, 0);
     return select(light.heights.y - depth * (light.heights.y - light.heights.x), -1e30, depth >= 1.0);
+}
+
+// Number of the sun-nearest caster at a place, if there is one without holes; else NO_CASTER.
+fn solid_caster(at: vec2f) -> u32 {
+    let k = covering(at, 0.0);
+    if k == light.partitions {
+        return NO_CASTER;
+    }
+    let found = textureLoad(sun_casters, vec2i((at - light.maps[k].least) / light.maps[k].texel), k, 0).x;
+    return select(found - 1u, NO_CASTER, found >= CUT_OUT);
+}
+
+// The part of a ray that lies in a triangle's shadow, of the ray as a line; empty when it begins behind its end.
+fn shadow_of(triangle: u32, origin: vec3f, direction: vec3f) -> vec2f {
+    let size = textureDimensions(caster_corners);
+    let at = vec2u(3u * triangle % size.x, 3u * triangle / size.x);
+    if at.y >= size.y {
+        return vec2f(0.0, -1.0);
+    }
+    let d = axis_parts(direction);
+    var p: array<vec3f, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        p[k] = axis_parts(textureLoad(caster_corners, at + vec2u(k, 0u), 0).xyz - origin);
+    }
+    let normal = cross(p[1] - p[0], p[2] - p[0]);
+    let side = sign(normal.z);
+    // Inside of each edge, and not over the plane: where x + t y >= 0.
+    var bounds: array<vec2f, 4>;
+    for (var k = 0u; k < 3u; k++) {
+        let corner = p[k].xy;
+        let edge = p[(k + 1u) % 3u].xy - corner;
+        bounds[k] = side * vec2f(edge.y * corner.x - edge.x * corner.y, edge.x * d.y - edge.y * d.x);
+    }
+    bounds[3] = side * vec2f(dot(normal, p[0]), -dot(normal, d));
+    var span = vec2f(-FARTHEST, FARTHEST);
+    for (var k = 0u; k < 4u; k++) {
+        let t = -bounds[k].x / bounds[k].y;
+        if bounds[k].y > 0.0 {
+            span.x = max(span.x, t);
+        } else if bounds[k].y < 0.0 {
+            span.y = min(span.y, t);
+        } else if bounds[k].x < 0.0 {
+            return vec2f(0.0, -1.0);
+        }
+    }
+    return span;
 }
 
 // Whether the sun reaches a point of the air: the nearest texel, never an interpolated height, no bias.
@@ -64,7 +125,7 @@ fn sun_reaches(p: vec3f) -> bool {
 // The part of a ray outside which nothing stands between it and the sun.
 fn shadow_span(origin: vec3f, direction: vec3f) -> vec2f {
     let o = light_coordinates(origin);
-    let d = vec3f(dot(light.across.xyz, direction), dot(light.along.xyz, direction), dot(light.height.xyz, direction));
+    let d = axis_parts(direction);
     let least = vec3f(light.casters.xy, -1e30);
     let greatest = vec3f(light.casters.zw, light.heights.y);
     var span = vec2f(0.0, FARTHEST);

@@ -114,10 +114,6 @@ fn threshold_bits(rows: Rows, d: f32) -> u32 {
     return u32(clamp(round(1.0 + (d - rows.low) * rows.scale), 0.0, 65535.0));
 }
 
-fn axis_parts(direction: vec3f) -> vec3f {
-    return vec3f(dot(light.across.xyz, direction), dot(light.along.xyz, direction), dot(light.height.xyz, direction));
-}
-
 // The direction across the light from which rows of a tile are counted; in an orthographic view that of all slices.
 fn reference_across() -> vec2f {
     let middle = (frame.extent.y / 2u) * frame.extent.x + frame.extent.x / 2u;
@@ -215,9 +211,62 @@ fn column_distance(rows: Rows, slice: Slice, span: Span, column: f32) -> f32 {
     return clamp((a - slice.start) / slice.sine, span.shaded.x, span.shaded.y);
 }
 
-// Where a ray turns near a column's beginning: halved `steps` times by asking the maps at the ray's own azimuth.
-fn refined_column(rows: Rows, slice: Slice, column: f32, lit_behind: bool, steps: u32) -> f32 {
-    // A column and a half to either side: the row is not quite the ray's own.
+// Where the shadow ends (or begins, unless it is lit behind) that the caster over a dark place of the row throws on the ray
+// itself, if that is within `reach` of the border at t; else a negative distance. A caster that goes on where the first one
+// ends is followed.
+fn edge_of_shadow(rows: Rows, slice: Slice, row: u32, column: f32, t: f32, reach: f32, lit_behind: bool) -> f32 {
+    let outward = select(-1.0, 1.0, lit_behind);
+    let onward = outward * normalize(axis_parts(run_direction).xy);
+    var place = slice_place(rows.first + (f32(row) + 0.5) * rows.step,
+                            across_of(rows, (column - 0.5 * outward) / f32(rows.columns)));
+    var edge = -1.0;
+    var within = vec2f(-FARTHEST, FARTHEST);
+    var last = NO_CASTER;
+    var texel = 0.0;
+    var tries = 1u;
+    for (var k = 0u; k < 8u && tries > 0u; k++) {
+        tries -= 1u;
+        let caster = solid_caster(place);
+        count_reads(1u);
+        // Next time nearer the edge: what goes on there may be thin.
+        place -= 0.5 * texel * onward;
+        if caster == NO_CASTER || caster == last {
+            continue;
+        }
+        let shadow = shadow_of(caster, run_origin, run_direction);
+        if shadow.y < max(shadow.x, within.x) || shadow.x > within.y {
+            continue;
+        }
+        edge = select(shadow.x, shadow.y, lit_behind);
+        if abs(edge - t) > reach {
+            return -1.0;
+        }
+        last = caster;
+        // A texel farther on.
+        place = slice_place(slice.row, slice.start + edge * slice.sine);
+        texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+        place += 0.75 * texel * onward;
+        within = vec2f(edge) + texel / slice.sine * select(vec2f(-1.0, 0.0), vec2f(0.0, 1.0), lit_behind);
+        tries = 2u;
+    }
+    return edge;
+}
+
+// Where a ray turns near a column's beginning: at the edge of what casts the shadow; or, where that has holes, halved `steps`
+// times by asking the maps at the ray's own azimuth.
+fn exact_border(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, lit_behind: bool, steps: u32) -> f32 {
+    let t = column_distance(rows, slice, span, column);
+    if steps == 0u {
+        return t;
+    }
+    // The row is not quite the ray's own.
+    let apart = abs(slice.row - rows.first - (f32(row) + 0.5) * rows.step);
+    let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u) / slice.sine;
+    let reach = 4.0 * shift + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
+    let edge = edge_of_shadow(rows, slice, row, column, t, reach, lit_behind);
+    if edge >= 0.0 {
+        return clamp(edge, span.shaded.x, span.shaded.y);
+    }
     var ends = vec2f(column - 1.5, column + 1.5);
     for (var k = 0u; k < steps; k++) {
         let middle = 0.5 * (ends.x + ends.y);
@@ -225,7 +274,8 @@ fn refined_column(rows: Rows, slice: Slice, column: f32, lit_behind: bool, steps
         let lit = slice.c >= slice_threshold(slice, slice_height(slice_place(slice.row, a)), a);
         ends = select(vec2f(middle, ends.y), vec2f(ends.x, middle), lit == lit_behind);
     }
-    return 0.5 * (ends.x + ends.y);
+    count_reads(steps);
+    return column_distance(rows, slice, span, 0.5 * (ends.x + ends.y));
 }
 
 // Sunlight that a ray scatters to the eye [1/sr]: shaded by one row, or by the one place that a ray along the light meets.
@@ -313,13 +363,11 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
             last += 1u;
         }
         // The errors of many borders cancel, so that few are worth a finer look.
-        let steps = select(0u, halvings, run_count <= 8u);
+        let steps = select(0u, halvings, run_count <= 16u);
         for (var k = 0u; k < run_count; k++) {
             let column = -1.0 - run_borders[k];
             if column > f32(crossing.first) {
-                count_reads(steps);
-                let refined = refined_column(rows, slice, column, (k & 1u) == 0u, steps);
-                let t = column_distance(rows, slice, span, refined);
+                let t = exact_border(rows, slice, span, row, column, (k & 1u) == 0u, steps);
                 run_borders[k] = max(t, run_borders[max(k, 1u) - 1u]);
             } else if column >= 0.0 {
                 // The first column begins before the ray does.

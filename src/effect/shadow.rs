@@ -26,9 +26,15 @@ pub const SHADOW: Effect = Effect {
         },
         Knob {
             name: "resolution",
-            meaning: "side of each map in texels",
+            meaning: "the most texels on a side of a map",
             values: [1024.0, 4096.0, 4096.0, 8192.0],
             range: [16.0, 16384.0],
+        },
+        Knob {
+            name: "density",
+            meaning: "texels across a pixel's width in the middle of each partition, as far as the resolution allows",
+            values: [2.0, 4.0, 8.0, 16.0],
+            range: [0.0625, 1024.0],
         },
     ],
     decide: |conditions| {

@@ -2,10 +2,12 @@
 
 use super::adapters::{self, Adapter};
 use crate::error::{Error, Result};
+use glam::Vec4;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{
-    Buffer, BufferDescriptor, BufferUsages, DeviceDescriptor, ExperimentalFeatures, Features,
-    MapMode, MemoryHints, PollType, Trace,
+    Buffer, BufferDescriptor, BufferUsages, DeviceDescriptor, ExperimentalFeatures, Extent3d,
+    Features, MapMode, MemoryHints, PollType, TexelCopyBufferLayout, Texture, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, Trace,
 };
 
 /// Which adapter is asked for.
@@ -149,6 +151,44 @@ impl Device {
         let buffer = self.buffer(what, bytes.len() as u64, usage | BufferUsages::COPY_DST)?;
         self.write(&buffer, bytes);
         Ok(buffer)
+    }
+
+    /// A texture of vectors, in rows of `width` and as many rows as the device takes.
+    pub(super) fn vectors(&self, what: &str, width: u32, mut values: Vec<Vec4>) -> Texture {
+        let rows = values.len().div_ceil(width as usize).max(1);
+        let rows = (rows as u32).min(self.limits.max_texture_dimension_2d);
+        values.resize((width * rows) as usize, Vec4::ZERO);
+        let size = Extent3d {
+            width,
+            height: rows,
+            depth_or_array_layers: 1,
+        };
+        let bytes: &[u8] = bytemuck::cast_slice(&values);
+        self.count(|traffic| {
+            traffic.allocated += bytes.len() as u64;
+            traffic.uploaded += bytes.len() as u64;
+        });
+        let texture = self.device.create_texture(&TextureDescriptor {
+            label: Some(what),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::Rgba32Float,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        self.queue.write_texture(
+            texture.as_image_copy(),
+            bytes,
+            TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(16 * width),
+                rows_per_image: None,
+            },
+            size,
+        );
+        texture
     }
 
     /// Writes to the start of a buffer.

@@ -1,15 +1,28 @@
-//! Where the z-partitions' shadow maps look: fitted across the light, snapped to whole texels.
+//! Where the z-partitions' shadow maps look: fitted across the light, as dense as the picture asks, snapped to whole texels.
 
 use super::shared::{Light, PARTITIONS, PartitionMap};
 use crate::conditions::{Conditions, SunPoint};
 use crate::scene::Projection;
-use glam::{DVec2, DVec3, Vec4};
+use glam::{DVec2, DVec3, UVec2, Vec2, Vec4};
 
 /// Share of the logarithmic spacing in the split of the camera's depth; the rest is even.
 const LOGARITHMIC: f64 = 0.7;
 
 /// The farthest over the nearest depth that is split: what is nearer shares the first partition.
 const DEPTHS: f64 = 200.0;
+
+/// Angle by which maps are turned around the light from the horizontal [rad]. Edges of buildings are level or upright; along
+/// texels they would be off by the same part of a texel all along, and all light that they let through with them.
+const TURN: f64 = 0.4;
+
+/// How many texels maps have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    /// Texels across a pixel's width in the middle of each partition, where they fit.
+    pub density: f64,
+    /// The most on a side.
+    pub most: u32,
+}
 
 /// A rectangle across the light [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +54,31 @@ impl Window {
     fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
+
+    fn encloses(&self, other: &Window) -> bool {
+        self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
+    }
+}
+
+/// What a partition covers across the light, and the depth in its middle [m].
+struct Part {
+    window: Window,
+    depth: f64,
+}
+
+/// Width of a pixel in the middle of the picture at a depth [m].
+fn pixel_width(conditions: &Conditions, depth: f64) -> f64 {
+    let middle = 0.5 * UVec2::from(conditions.size).as_dvec2();
+    let at = |x: f64, y: f64| {
+        let ray = conditions
+            .camera
+            .ray(middle + DVec2::new(x, y), conditions.size);
+        ray.origin + depth * ray.direction
+    };
+    let middle = at(0.0, 0.0);
+    (at(1.0, 0.0) - middle)
+        .length()
+        .min((at(0.0, 1.0) - middle).length())
 }
 
 /// The corners of the camera's view: where each corner's rays begin and what they do for a metre of depth.
@@ -71,20 +109,24 @@ fn splits(nearest: f64, farthest: f64, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A light and its maps' windows. `resolution` is the maps' side [texels]; the finest map comes first.
+/// A light and its maps' windows, the finest map first. Its `side` is that of the largest map.
+///
+/// A map is as dense as `resolution` asks in the middle of its partition, so that a partition has as many texels as the picture
+/// has use for: near ones the most that a side may have, those in the distance or under a low sun fewer.
 pub fn fit(
     conditions: &Conditions,
     casters: &[DVec3],
     sun: &SunPoint,
     partitions: usize,
-    resolution: u32,
+    resolution: Resolution,
 ) -> Light {
     let eye = conditions.camera.eye;
     let geometry = &conditions.geometry;
     let (low, high) = geometry.bounds();
     let origin = 0.5 * (low + high);
     let height = sun.toward;
-    let across = DVec3::Y.cross(height).try_normalize().unwrap_or(DVec3::X);
+    let level = DVec3::Y.cross(height).try_normalize().unwrap_or(DVec3::X);
+    let across = TURN.cos() * level + TURN.sin() * height.cross(level);
     let along = height.cross(across);
     let place = |p: DVec3| DVec2::new(across.dot(p - origin), along.dot(p - origin));
 
@@ -106,21 +148,30 @@ pub fn fit(
     };
     (lowest, highest) = (lowest - slack, highest + slack);
 
-    let mut windows = views(conditions, place, (low, high), partitions);
-    windows.iter_mut().for_each(|w| *w = w.within(&all));
-    windows.retain(|w| !w.is_empty());
-    for window in &mut windows {
-        window.min -= slack;
-        window.max += slack;
+    let mut parts = views(conditions, place, (low, high), partitions);
+    parts
+        .iter_mut()
+        .for_each(|part| part.window = part.window.within(&all));
+    parts.retain(|part| !part.window.is_empty());
+    let mut fitted: Vec<(Window, PartitionMap)> = Vec::with_capacity(parts.len());
+    for part in &mut parts {
+        part.window.min -= slack;
+        part.window.max += slack;
+        let texel = pixel_width(conditions, part.depth) / resolution.density;
+        let map = snapped(&part.window, texel, resolution.most, geometry.extent());
+        fitted.push((part.window, map));
     }
-    let mut maps: Vec<PartitionMap> = windows
-        .iter()
-        .map(|w| snapped(w, resolution, geometry.extent()))
-        .collect();
     let area = |map: &PartitionMap| map.texel.x * map.texel.y;
-    maps.sort_by(|a, b| area(a).total_cmp(&area(b)));
-    maps.dedup();
-    maps.truncate(PARTITIONS);
+    fitted.sort_by(|(_, a), (_, b)| area(a).total_cmp(&area(b)));
+    // What a finer map covers is never read from a coarser one.
+    let mut maps: Vec<(Window, PartitionMap)> = Vec::with_capacity(fitted.len());
+    for (window, map) in fitted {
+        if maps.len() < PARTITIONS && !maps.iter().any(|(finer, _)| finer.encloses(&window)) {
+            maps.push((window, map));
+        }
+    }
+    let side = maps.iter().map(|(_, map)| map.size.max_element());
+    let side = side.fold(1.0, f32::max);
 
     let plane = |axis: DVec3| {
         let offset = axis.dot(eye - origin);
@@ -130,7 +181,7 @@ pub fn fit(
         toward: sun.toward.as_vec3(),
         partitions: maps.len() as u32,
         illuminance: sun.illuminance.as_vec3(),
-        resolution: resolution as f32,
+        side,
         across: plane(across),
         along: plane(along),
         height: plane(height),
@@ -143,7 +194,9 @@ pub fn fit(
         heights: Vec4::new(lowest as f32, highest as f32, 0.0, 0.0),
         ..Light::default()
     };
-    light.maps[..maps.len()].copy_from_slice(&maps);
+    for (place, (_, map)) in light.maps.iter_mut().zip(&maps) {
+        *place = *map;
+    }
     light
 }
 
@@ -153,7 +206,7 @@ fn views(
     place: impl Fn(DVec3) -> DVec2,
     (low, high): (DVec3, DVec3),
     partitions: usize,
-) -> Vec<Window> {
+) -> Vec<Part> {
     let eye = conditions.camera.eye;
     let corners = (0..8).map(|i| {
         let pick = |bit: usize, a: f64, b: f64| if i & bit == 0 { a } else { b };
@@ -167,18 +220,21 @@ fn views(
         // Nested squares around the eye.
         let farthest = corners.map(|c| c.distance(eye)).fold(0.0, f64::max);
         let depths = splits(0.0, farthest, partitions);
-        return depths[1..]
-            .iter()
-            .enumerate()
-            .map(|(i, depth)| {
-                let reach = if i + 1 == partitions {
+        return depths
+            .windows(2)
+            .zip(1..)
+            .map(|(pair, i)| {
+                let reach = if i == partitions {
                     f64::INFINITY
                 } else {
-                    *depth
+                    pair[1]
                 };
-                Window {
-                    min: place(eye) - reach,
-                    max: place(eye) + reach,
+                Part {
+                    window: Window {
+                        min: place(eye) - reach,
+                        max: place(eye) + reach,
+                    },
+                    depth: 0.5 * (pair[0] + pair[1]),
                 }
             })
             .collect();
@@ -200,7 +256,11 @@ fn views(
         window.with(start).with(far)
     });
     if farthest <= 0.0 {
-        return vec![cone];
+        // All is behind the eye; what shades the view comes from there.
+        return vec![Part {
+            window: cone,
+            depth: 0.5 * nearest.abs(),
+        }];
     }
     let splits = splits(nearest, farthest, partitions);
     let slice = |from: f64, to: f64| {
@@ -210,25 +270,33 @@ fn views(
                 .with(place(*origin + to * *step))
         })
     };
-    let mut windows: Vec<Window> = splits
+    splits
         .windows(2)
-        .take(partitions - 1)
-        .map(|pair| slice(pair[0], pair[1]))
-        .collect();
-    windows.push(cone);
-    windows
+        .zip(1..)
+        .map(|(pair, i)| Part {
+            window: if i == partitions {
+                cone
+            } else {
+                slice(pair[0], pair[1])
+            },
+            depth: 0.5 * (pair[0] + pair[1]),
+        })
+        .collect()
 }
 
-/// The map that covers a window with two texels to spare: texel sizes come in steps of 2^(1/8) of the scene's diagonal, and
-/// windows begin at whole texels, so that a small change of the view moves the map by whole texels or not at all.
-fn snapped(window: &Window, resolution: u32, extent: f64) -> PartitionMap {
-    let size = (window.max - window.min) / (f64::from(resolution) - 4.0);
+/// The map that covers a window with two texels to spare, texels being no smaller than `texel` [m]: their sizes come in steps
+/// of 2^(1/8) of the scene's diagonal, and windows begin at whole texels, so that a small change of the view moves the map by
+/// whole texels or not at all.
+fn snapped(window: &Window, texel: f64, most: u32, extent: f64) -> PartitionMap {
+    let size = ((window.max - window.min) / (f64::from(most) - 4.0)).max(DVec2::splat(texel));
     let step = |x: f64| extent * (0.125 * (8.0 * (x / extent).log2()).ceil()).exp2();
     let texel = DVec2::new(step(size.x), step(size.y)).as_vec2();
-    let least = ((window.min / texel.as_dvec2()).floor() - 1.0) * texel.as_dvec2();
+    let least = (window.min / texel.as_dvec2()).floor() - 1.0;
+    let size = (window.max / texel.as_dvec2()).ceil() + 1.0 - least;
     PartitionMap {
-        least: least.as_vec2(),
+        least: (least * texel.as_dvec2()).as_vec2(),
         texel,
+        size: size.as_vec2().min(Vec2::splat(most as f32)),
     }
 }
 
@@ -251,12 +319,13 @@ mod tests {
             min: DVec2::new(-3.7 + shift, 11.0),
             max: DVec2::new(20.1 + shift, 12.5),
         };
-        let still = snapped(&window(0.0), 512, 30.0);
+        let still = snapped(&window(0.0), 0.0, 512, 30.0);
         for shift in [0.0, 0.003, 0.5, 123.456] {
             let w = window(shift);
-            let map = snapped(&w, 512, 30.0);
+            let map = snapped(&w, 0.0, 512, 30.0);
             let least = map.least.as_dvec2();
-            let most = least + 512.0 * map.texel.as_dvec2();
+            let most = least + map.size.as_dvec2() * map.texel.as_dvec2();
+            assert!(map.size.max_element() <= 512.0, "{}", map.size);
             assert!(
                 least.cmple(w.min).all() && most.cmpge(w.max).all(),
                 "{shift}"

@@ -65,6 +65,16 @@ impl Pipelines {
             view_dimension: TextureViewDimension::D2Array,
             multisampled: false,
         };
+        let casters = BindingType::Texture {
+            sample_type: TextureSampleType::Uint,
+            view_dimension: TextureViewDimension::D2Array,
+            multisampled: false,
+        };
+        let corners = BindingType::Texture {
+            sample_type: TextureSampleType::Float { filterable: false },
+            view_dimension: TextureViewDimension::D2,
+            multisampled: false,
+        };
         Pipelines {
             common: layout(
                 "frame, rays, media, counts",
@@ -81,6 +91,8 @@ impl Pipelines {
                 &[
                     entry(0, all, uniform),
                     entry(1, ShaderStages::COMPUTE, maps),
+                    entry(2, ShaderStages::COMPUTE, casters),
+                    entry(3, ShaderStages::COMPUTE, corners),
                 ],
             ),
             compiled: Vec::new(),
@@ -210,12 +222,12 @@ impl Pipelines {
             blend: None,
             write_mask: ColorWrites::ALL,
         })];
-        let (targets, compare): (&[_], _) = match pass.kind {
+        let compare = match pass.kind {
             // The camera's depth is reversed.
-            Kind::Picture => (&targets, CompareFunction::Greater),
-            _ => (&[], CompareFunction::Less),
+            Kind::Picture => CompareFunction::Greater,
+            _ => CompareFunction::Less,
         };
-        let mut pipeline = |infix: &str, paints: bool| {
+        let mut pipeline = |infix: &str| {
             let vertex = format!("{}{infix}_vertex", pass.entry);
             let fragment = format!("{}{infix}_fragment", pass.entry);
             self.compiled.push(format!("{label}{infix}"));
@@ -244,19 +256,19 @@ impl Pipelines {
                         bias: Default::default(),
                     }),
                     multisample: Default::default(),
-                    fragment: paints.then_some(FragmentState {
+                    fragment: Some(FragmentState {
                         module: &module,
                         entry_point: Some(&fragment),
                         compilation_options: Default::default(),
-                        targets,
+                        targets: &targets,
                     }),
                     multiview_mask: None,
                     cache: None,
                 })
         };
         Raster {
-            solid: pipeline("", matches!(pass.kind, Kind::Picture)),
-            cut_out: holes.then(|| pipeline("_cut", true)),
+            solid: pipeline(""),
+            cut_out: holes.then(|| pipeline("_cut")),
         }
     }
 }

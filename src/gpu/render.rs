@@ -7,7 +7,7 @@ mod make;
 mod view;
 
 use super::device::{Device, Traffic};
-use super::light;
+use super::light::{self, Resolution};
 use super::pipeline::{Pipelines, Raster};
 use super::scene::{Plane, SceneBuffers, Triangles, media};
 use super::shared;
@@ -101,8 +101,11 @@ struct Stage<'a> {
 struct Slot {
     toward: DVec3,
     filled: bool,
+    /// Of its maps [texels].
+    side: u32,
     light: Buffer,
-    views: Vec<TextureView>,
+    /// Depths and casters of each partition.
+    views: Vec<(TextureView, TextureView)>,
     draw: BindGroup,
     ask: BindGroup,
 }
@@ -111,10 +114,11 @@ struct SunMaps {
     raster: Raster,
     group: BindGroup,
     partitions: usize,
-    resolution: u32,
+    resolution: Resolution,
     casters: Vec<DVec3>,
+    /// The same, relative to the eye, as the shaders read them.
+    corners: Texture,
     slots: Vec<Slot>,
-    most_slots: usize,
     runs: u32,
 }
 
@@ -550,10 +554,11 @@ impl<'a> Gpu<'a> {
                     groups: &[&self.common, group],
                     corners: &self.corners,
                     triangles: &self.triangles,
-                    color: Some(&view),
+                    color: &view,
                     depth: &self.depth,
                     far: 0.0,
                     instance: 0,
+                    within: self.tile,
                 };
                 draw.submit(&self.device, &mut self.timer, index)?;
                 if silhouettes {

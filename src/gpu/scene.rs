@@ -23,6 +23,9 @@ pub struct Triangles {
     drawn: Vec<u32>,
 }
 
+/// Corners in a row of the texture of them, as in shaders/common/light.wgsl: a multiple of 3 that every device takes.
+const CORNERS: u32 = 6144;
+
 /// A triangle's plane.
 pub struct Plane {
     point: DVec3,
@@ -73,6 +76,14 @@ impl Triangles {
                 normal: (p[1] - p[0]).cross(p[2] - p[0]),
             })
             .collect()
+    }
+
+    /// Corners relative to the eye [m], three texels a triangle, in rows of [`CORNERS`].
+    pub fn corner_texture(&self, device: &Device, conditions: &Conditions) -> wgpu::Texture {
+        let eye = conditions.camera.eye;
+        let corners = self.corners(conditions);
+        let corners = corners.iter().map(|p| (*p - eye).as_vec3().extend(0.0));
+        device.vectors("corners of casters", CORNERS, corners.collect())
     }
 
     /// Corners of all of them [m], scene axes.

@@ -94,6 +94,8 @@ pub struct Medium {
 pub struct PartitionMap {
     pub least: Vec2,
     pub texel: Vec2,
+    #[shader(size(16))]
+    pub size: Vec2,
 }
 
 /// `Light` of shaders/common/light.wgsl.
@@ -102,7 +104,7 @@ pub struct Light {
     pub toward: Vec3,
     pub partitions: u32,
     pub illuminance: Vec3,
-    pub resolution: f32,
+    pub side: f32,
     pub across: Vec4,
     pub along: Vec4,
     pub height: Vec4,
@@ -239,14 +241,14 @@ mod tests {
                 weight
             }
         ));
-        assert!(same!(COMMON, PartitionMap { least, texel }));
+        assert!(same!(COMMON, PartitionMap { least, texel, size }));
         assert!(same!(
             COMMON,
             Light {
                 toward,
                 partitions,
                 illuminance,
-                resolution,
+                side,
                 across,
                 along,
                 height,

@@ -63,11 +63,13 @@ pub(super) struct Draw<'r> {
     pub groups: &'r [&'r BindGroup],
     pub corners: &'r Buffer,
     pub triangles: &'r Triangles,
-    pub color: Option<&'r TextureView>,
+    pub color: &'r TextureView,
     pub depth: &'r TextureView,
     /// The depth of what is farthest.
     pub far: f32,
     pub instance: u32,
+    /// Nothing is drawn outside these texels, counted from the corner.
+    pub within: UVec2,
 }
 
 impl Draw<'_> {
@@ -75,23 +77,18 @@ impl Draw<'_> {
         let timestamp_writes = timer.render(device, number)?;
         let mut encoder = device.device.create_command_encoder(&Default::default());
         {
-            let color = self.color.map(|view| RenderPassColorAttachment {
-                view,
+            let color = RenderPassColorAttachment {
+                view: self.color,
                 depth_slice: None,
                 resolve_target: None,
                 ops: Operations {
                     load: LoadOp::Clear(Color::TRANSPARENT),
                     store: StoreOp::Store,
                 },
-            });
-            let attachments = [color];
+            };
             let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
                 label: None,
-                color_attachments: if self.color.is_some() {
-                    &attachments
-                } else {
-                    &[]
-                },
+                color_attachments: &[Some(color)],
                 depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
                     view: self.depth,
                     depth_ops: Some(Operations {
@@ -107,6 +104,7 @@ impl Draw<'_> {
             for (group, i) in self.groups.iter().zip(0..) {
                 pass.set_bind_group(i, *group, &[]);
             }
+            pass.set_scissor_rect(0, 0, self.within.x, self.within.y);
             pass.set_vertex_buffer(0, self.corners.slice(..));
             let solid = 3 * self.triangles.solid;
             let all = 3 * self.triangles.numbers.len() as u32;
@@ -126,34 +124,47 @@ impl Draw<'_> {
 }
 
 impl SunMaps {
-    pub(super) fn slot(&self, device: &Device, pipelines: &Pipelines) -> Result<Slot> {
+    /// A light with maps of this side.
+    pub(super) fn slot(&self, device: &Device, pipelines: &Pipelines, side: u32) -> Result<Slot> {
         let light = device.buffer(
             "a light",
             shared::uniform(&shared::Light::default()).len() as u64,
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
         )?;
-        let maps = texture(
-            device,
-            "shadow maps",
-            UVec2::splat(self.resolution),
-            self.partitions as u32,
-            TextureFormat::Depth32Float,
-            TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
-        );
-        let views = (0..self.partitions as u32)
-            .map(|layer| {
-                maps.create_view(&TextureViewDescriptor {
-                    dimension: Some(TextureViewDimension::D2),
-                    base_array_layer: layer,
-                    array_layer_count: Some(1),
-                    ..Default::default()
-                })
+        let layers = |label, format| {
+            texture(
+                device,
+                label,
+                UVec2::splat(side),
+                self.partitions as u32,
+                format,
+                TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+            )
+        };
+        let depths = layers("shadow maps", TextureFormat::Depth32Float);
+        let casters = layers("casters in shadow maps", TextureFormat::R32Uint);
+        let layer = |maps: &Texture, layer| {
+            maps.create_view(&TextureViewDescriptor {
+                dimension: Some(TextureViewDimension::D2),
+                base_array_layer: layer,
+                array_layer_count: Some(1),
+                ..Default::default()
             })
+        };
+        let views = (0..self.partitions as u32)
+            .map(|k| (layer(&depths, k), layer(&casters, k)))
             .collect();
-        let all = maps.create_view(&TextureViewDescriptor {
-            dimension: Some(TextureViewDimension::D2Array),
-            ..Default::default()
-        });
+        let all = |maps: &Texture| {
+            maps.create_view(&TextureViewDescriptor {
+                dimension: Some(TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        };
+        let all = [
+            all(&depths),
+            all(&casters),
+            self.corners.create_view(&Default::default()),
+        ];
         let light_entry = BindGroupEntry {
             binding: 0,
             resource: light.as_entire_binding(),
@@ -165,16 +176,15 @@ impl SunMaps {
                 entries,
             })
         };
-        let ask = [
-            light_entry.clone(),
-            BindGroupEntry {
-                binding: 1,
-                resource: BindingResource::TextureView(&all),
-            },
-        ];
+        let mut ask = vec![light_entry.clone()];
+        ask.extend(all.iter().zip(1..).map(|(view, binding)| BindGroupEntry {
+            binding,
+            resource: BindingResource::TextureView(view),
+        }));
         Ok(Slot {
             toward: DVec3::ZERO,
             filled: false,
+            side,
             draw: group(&pipelines.light, &[light_entry]),
             ask: group(&pipelines.lit, &ask),
             light,

@@ -2,6 +2,9 @@
 
 use super::*;
 
+/// Sides of maps are multiples of this [texels].
+const SIDES: u32 = 256;
+
 impl Gpu<'_> {
     /// How many stages from this one on run in turns, point of the sun by point: those of one effect that follow each other.
     pub(super) fn together(&self, first: usize) -> usize {
@@ -77,42 +80,53 @@ impl Gpu<'_> {
             .maps
             .as_mut()
             .expect("an effect that asks for the sun's maps runs only where the sun shines");
-        let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
-        let index = match kept {
-            Some(index) => index,
-            None if maps.slots.len() < maps.most_slots => {
-                let slot = maps.slot(&self.device, &self.pipelines)?;
-                maps.slots.push(slot);
-                maps.slots.len() - 1
-            }
-            // The last one changes hands: when points are gone through in turns, the others stay.
-            None => maps.slots.len() - 1,
-        };
-        let light = light::fit(
+        let mut light = light::fit(
             self.plan.conditions,
             &maps.casters,
             sun,
             maps.partitions,
             maps.resolution,
         );
+        // Points of one disc ask for nearly the same.
+        let side = (light.side as u32)
+            .next_multiple_of(SIDES)
+            .min(maps.resolution.most);
+        let bytes = 8 * u64::from(side).pow(2) * maps.partitions as u64;
+        let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
+        let index = match kept {
+            Some(index) => index,
+            None if maps.slots.is_empty() || (maps.slots.len() as u64 + 1) * bytes <= KEPT_MAPS => {
+                let slot = maps.slot(&self.device, &self.pipelines, side)?;
+                maps.slots.push(slot);
+                maps.slots.len() - 1
+            }
+            // The last one changes hands: when points are gone through in turns, the others stay.
+            None => maps.slots.len() - 1,
+        };
+        if maps.slots[index].side < side {
+            maps.slots[index] = maps.slot(&self.device, &self.pipelines, side)?;
+        }
         let slot = &mut maps.slots[index];
+        light.side = slot.side as f32;
         // The same direction may come with another share of the light.
         self.device.write(&slot.light, &shared::uniform(&light));
         if slot.filled && slot.toward == sun.toward {
             return Ok(index);
         }
         (slot.toward, slot.filled) = (sun.toward, true);
-        for k in 0..light.partitions {
+        for (k, map) in (0..light.partitions).zip(&light.maps) {
             maps.runs += 1;
+            let (depth, color) = &maps.slots[index].views[k as usize];
             let draw = Draw {
                 raster: &maps.raster,
                 groups: &[&self.common, &maps.group, &maps.slots[index].draw],
                 corners: &self.corners,
                 triangles: &self.triangles,
-                color: None,
-                depth: &maps.slots[index].views[k as usize],
+                color,
+                depth,
                 far: 1.0,
                 instance: k,
+                within: map.size.as_uvec2(),
             };
             draw.submit(&self.device, &mut self.timer, self.stages.len())?;
         }

@@ -191,15 +191,17 @@ impl<'a> Maker<'_, 'a> {
                 "set a lower one with --set shadow.resolution=N",
             ));
         }
-        let bytes = 4 * u64::from(resolution).pow(2) * partitions as u64;
         Ok(SunMaps {
             raster,
             group,
             partitions,
-            resolution,
+            resolution: Resolution {
+                density: settings.get("density"),
+                most: resolution,
+            },
             casters: self.triangles.corners(self.plan.conditions),
+            corners: self.triangles.corner_texture(self.device, self.plan.conditions),
             slots: Vec::new(),
-            most_slots: (KEPT_MAPS / bytes).max(1) as usize,
             runs: 0,
         })
     }
