@@ -23,7 +23,8 @@ type Settings<'a> = &'a [(&'a str, f64)];
 const ADEQUATE: Settings = &[
     ("shafts_march.steps", 512.0),
     ("shafts_march.halvings", 3.0),
-    ("shadow.resolution", 2048.0),
+    ("shadow.resolution", 3072.0),
+    ("shadow.density", 1024.0),
 ];
 
 fn plan<'c>(conditions: &'c Conditions, set: Settings) -> Plan<'c> {
@@ -266,6 +267,7 @@ fn the_error_falls_as_steps_and_maps_grow() {
                 let set = [
                     ("shafts_march.steps", 48.0 * finer),
                     ("shadow.resolution", 384.0 * finer),
+                    ("shadow.density", 1024.0),
                 ];
                 let found = by_gpu(&conditions, &set);
                 rmse(&found, &truth, Field::InscatterSun, |_| true)
@@ -470,6 +472,7 @@ fn partitions_have_no_seams_and_every_projection_works() {
         let set = [
             ("shafts_march.steps", 512.0),
             ("shadow.resolution", 1500.0),
+            ("shadow.density", 1024.0),
             ("shadow.partitions", partitions),
         ];
         let found = by_gpu(&conditions, &set);
@@ -501,7 +504,11 @@ fn an_epipole_anywhere_is_no_special_case() {
         return;
     }
     let base = slats(1.0);
-    let set: Settings = &[("shafts_march.steps", 256.0), ("shadow.resolution", 1024.0)];
+    let set: Settings = &[
+        ("shafts_march.steps", 256.0),
+        ("shadow.resolution", 1024.0),
+        ("shadow.density", 1024.0),
+    ];
     // The sun from across the view over the picture's corner to behind the eye.
     let errors: Vec<f64> = [88.0, 89.9, 90.0, 90.1, 92.0, 30.0, 0.0, 180.0, 179.99]
         .map(|azimuth| {
@@ -594,7 +601,11 @@ fn hard_cases_stay_finite_and_in_order() {
         };
         let size = [[1, 1], [1, 7], [13, 5]][(k / 2) % 3];
         let conditions = conditions(scene, camera, size);
-        let set = [("shadow.resolution", 100.0), ("shafts_march.steps", 33.0)];
+        let set = [
+            ("shadow.resolution", 100.0),
+            ("shadow.density", 1024.0),
+            ("shafts_march.steps", 33.0),
+        ];
         let truth = by_reference(&conditions);
         for method in Method::ALL {
             let found = render_on_gpu(&plan_by(&conditions, method, &set)).frame;
@@ -652,8 +663,8 @@ fn nothing_is_made_for_an_effect_that_does_not_run() {
     }
     let (pipelines, _, least) = made(&conditions(night, whole.camera, SIZE));
     assert!(!pipelines.iter().any(|p| p.starts_with("shadow")));
-    // No shadow maps: three of 1024 squared.
-    assert!(least + 3 * 4 * 1024 * 1024 <= less, "{least} {less}");
+    // No shadow maps, of depths and of casters.
+    assert!(least + 2 * 4 * 512 * 512 <= less, "{least} {less}");
 }
 
 /// A small effect, as it would be added: each surface glows by its albedo.

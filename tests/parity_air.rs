@@ -22,6 +22,7 @@ const FINE: &[(&str, f64)] = &[
     ("shafts_march.steps", 512.0),
     ("air_shadow.steps", 512.0),
     ("shadow.resolution", 2048.0),
+    ("shadow.density", 1024.0),
 ];
 
 fn plan(conditions: &Conditions) -> Plan<'_> {

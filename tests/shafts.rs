@@ -208,6 +208,7 @@ fn the_error_falls_as_rows_columns_and_maps_double() {
                     ("shafts.rows", 512.0 * finer),
                     ("shafts.columns", 512.0 * finer),
                     ("shadow.resolution", 1024.0 * finer),
+                    ("shadow.density", 1024.0),
                 ];
                 error(&by_gpu(&conditions, Method::Rectified, &set), &truth).0
             })
@@ -478,7 +479,11 @@ fn a_far_slit_has_the_edges_of_the_suns_disc() {
         &[("shafts.suns", 1.0)],
     ));
     let off = |suns: f64| -> [f64; 2] {
-        let set = [("shafts.suns", suns), ("shadow.resolution", 2048.0)];
+        let set = [
+            ("shafts.suns", suns),
+            ("shadow.resolution", 2048.0),
+            ("shadow.density", 1024.0),
+        ];
         let found = profile(&by_gpu(&conditions, Method::Rectified, &set));
         let off: Vec<f64> = (0..size[1] as usize)
             .map(|y| {

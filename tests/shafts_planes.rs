@@ -24,7 +24,10 @@ fn plan<'c>(conditions: &'c Conditions, set: &[(&str, f64)]) -> Plan<'c> {
         method: Some(Method::Planes),
         set: [("shafts.suns".to_owned(), 1.0)]
             .into_iter()
-            .chain([("shadow.resolution".to_owned(), 2048.0)])
+            .chain([
+                ("shadow.resolution".to_owned(), 2048.0),
+                ("shadow.density".to_owned(), 1024.0),
+            ])
             .chain(set)
             .collect(),
         ..Overrules::default()

@@ -200,7 +200,9 @@ impl<'a> Maker<'_, 'a> {
                 most: resolution,
             },
             casters: self.triangles.corners(self.plan.conditions),
-            corners: self.triangles.corner_texture(self.device, self.plan.conditions),
+            corners: self
+                .triangles
+                .corner_texture(self.device, self.plan.conditions),
             slots: Vec::new(),
             runs: 0,
         })
