@@ -128,16 +128,25 @@ fn scenes(test: &str) -> Vec<(String, Conditions)> {
 }
 
 #[test]
-fn rectified_is_within_one_percent_at_the_default_quality() {
-    let test = "rectified_is_within_one_percent_at_the_default_quality";
+fn rectified_is_within_one_percent_at_the_default_quality_and_nearer_at_high() {
+    let test = "rectified_is_within_one_percent_at_the_default_quality_and_nearer_at_high";
     if !common::gpu(test) {
         return;
     }
     for (name, conditions) in &scenes(test) {
         let truth = by_reference(conditions, &[]);
-        let (rmse, bias) = error(&by_gpu(conditions, Method::Rectified, &[]), &truth);
-        eprintln!("{name:<10} {rmse:.5} {bias:+.5}");
-        assert!(rmse < 0.01 && bias.abs() < 0.002, "{name}: {rmse} {bias}");
+        for (quality, most, most_bias) in [
+            (Quality::Preview, 0.01, 0.002),
+            (Quality::High, 0.005, 0.0005),
+        ] {
+            let plan = plan(conditions, Method::Rectified, quality, &[]);
+            let (rmse, bias) = error(&render(&plan).frame, &truth);
+            eprintln!("{name:<10} {} {rmse:.5} {bias:+.5}", quality.name());
+            assert!(
+                rmse < most && bias.abs() < most_bias,
+                "{name}: {rmse} {bias}"
+            );
+        }
     }
 }
 
@@ -693,4 +702,30 @@ fn trees_enclose_their_leaves_and_give_what_every_column_gives() {
         }
     }
     assert!(seen > 500, "{seen}");
+}
+
+#[test]
+fn one_point_stands_for_the_sun_where_its_edges_are_narrower_than_a_pixel() {
+    let base = gates();
+    let at = |distance: f64, size: [u32; 2]| {
+        let mut view = base.clone();
+        view.scene.sun.as_mut().expect("it has a sun").diameter_deg = Some(0.533);
+        let back = view.camera.axes()[2];
+        view.camera.eye -= distance * back;
+        view.camera.eye.y = view.camera.eye.y.max(1.0);
+        view.conditions(size).expect("sound")
+    };
+    let near = at(0.0, PICTURE);
+    assert!(near.widest_penumbra() > 10.0);
+    assert_eq!(near.sun_points(4).len(), 4);
+    // The eye in the shadow of all.
+    assert_eq!(at(-16.0, PICTURE).widest_penumbra(), f64::INFINITY);
+    // Edges of 0.3 m at 300 m are 0.06 degrees wide; a pixel of a small picture has 0.3 degrees, one of a large picture 0.03.
+    let far = at(300.0, PICTURE);
+    let pixels = far.widest_penumbra();
+    assert!(pixels > 0.1 && pixels < 1.0, "{pixels}");
+    assert_eq!(far.sun_points(4).len(), 1);
+    let large = at(300.0, [2560, 1920]);
+    assert!((large.widest_penumbra() / pixels / 10.0 - 1.0).abs() < 0.02);
+    assert_eq!(large.sun_points(4).len(), 4);
 }

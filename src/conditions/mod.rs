@@ -5,6 +5,7 @@
 mod assemble;
 mod checks;
 mod lines;
+mod penumbra;
 mod sun;
 
 pub use assemble::{CameraChoice, Instant, Request};

@@ -28,7 +28,7 @@ pub const AIR_SHADOW: Effect = Effect {
     knobs: &[
         Knob {
             name: "suns",
-            meaning: "points of the sun's disc, dark runs for each",
+            meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), dark runs for each",
             values: [1.0, 1.0, 4.0, 16.0],
             range: [1.0, 4096.0],
         },
@@ -56,7 +56,7 @@ pub const AIR_SHADOW: Effect = Effect {
         )
     },
     reference: |conditions, settings| {
-        let suns = conditions.sun.points(settings.get("suns") as usize);
+        let suns = conditions.sun_points(settings.get("suns") as usize);
         let toward: Vec<DVec3> = suns.iter().map(|sun| sun.toward).collect();
         let air = conditions.air.with_sources(Medium::is_clear_air);
         let before_sky = conditions.air.before_sky();

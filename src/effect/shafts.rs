@@ -55,7 +55,7 @@ impl Method {
 /// The knob that all methods have: as many points stand for the sun's disc.
 pub const SUNS: Knob = Knob {
     name: "suns",
-    meaning: "points of the sun's disc, lit runs for each",
+    meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), lit runs for each",
     values: [1.0, 4.0, 16.0, 16.0],
     range: [1.0, 4096.0],
 };
@@ -72,6 +72,11 @@ pub fn decide(conditions: &Conditions) -> Decision {
     if media.iter().all(|m| m.scattering.max_element() == 0.0) {
         return Decision::nothing("no medium scatters light");
     }
+    let from = if conditions.sun.angular_radius > 0.0 && conditions.widest_penumbra() < 1.0 {
+        ", as from a point: no edge of a shadow is as wide as a pixel"
+    } else {
+        ""
+    };
     // At most p_max E albedo (1 - e^-tau) comes from a ray: the integral of sigma_t e^-tau.
     let strongest = media
         .iter()
@@ -82,7 +87,7 @@ pub fn decide(conditions: &Conditions) -> Decision {
         })
         .fold(0.0, f64::max);
     Decision::run(
-        format!("sunlight meets {}", conditions.media_phrase()),
+        format!("sunlight meets {}{from}", conditions.media_phrase()),
         Contribution::Bound(
             strongest
                 * conditions.air.greatest_sun_gain()
@@ -94,7 +99,7 @@ pub fn decide(conditions: &Conditions) -> Decision {
 
 /// The exact lit runs and their integrals, for whichever method.
 pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>) -> Batch<'a> {
-    let suns = conditions.sun.points(settings.get("suns") as usize);
+    let suns = conditions.sun_points(settings.get("suns") as usize);
     let toward: Vec<DVec3> = suns.iter().map(|sun| sun.toward).collect();
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());

@@ -19,7 +19,7 @@ pub const SURFACE_SUN: Effect = Effect {
     method: None,
     knobs: &[Knob {
         name: "suns",
-        meaning: "points of the sun's disc, one shadow ray each",
+        meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), one shadow ray each",
         values: [1.0, 4.0, 16.0, 64.0],
         range: [1.0, 4096.0],
     }],
@@ -35,7 +35,7 @@ pub const SURFACE_SUN: Effect = Effect {
         )
     },
     reference: |conditions, settings| {
-        let suns = conditions.sun.points(settings.get("suns") as usize);
+        let suns = conditions.sun_points(settings.get("suns") as usize);
         Box::new(move |fields| {
             fields.update(Field::Sun, |_, _, surface, present| {
                 if !surface.is_met() {

@@ -106,7 +106,7 @@ impl<'a> Maker<'_, 'a> {
                     pipeline: pipeline.clone(),
                     group,
                     scratch: self.scratch(effect, pass, settings)?,
-                    suns: self.plan.conditions.sun.points(settings.get(knob) as usize),
+                    suns: self.plan.conditions.sun_points(settings.get(knob) as usize),
                     groups: match over {
                         Over::Pixels => None,
                         Over::Groups(count) => Some(count(settings)),
