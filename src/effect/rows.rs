@@ -26,7 +26,7 @@ const COLUMNS_STEP: u32 = 512;
 pub const ROWS: Knob = Knob {
     name: "rows",
     meaning: "rows across the diagonal of each tile of the picture; around the sun's own place up to pi times as many",
-    values: [512.0, 1024.0, 2048.0, 4096.0],
+    values: [512.0, 2048.0, 4096.0, 4096.0],
     range: [8.0, 4096.0],
 };
 
