@@ -50,9 +50,7 @@ fn by_error(
     memory: u64,
     most: f64,
 ) -> Result<Chosen> {
-    let mut finest = args.overrules_at(Quality::Reference);
-    finest.set.clear();
-    let yardstick = Plan::new(conditions, &finest)?;
+    let yardstick = yardstick(args, conditions)?;
     let mut least = f64::INFINITY;
     for quality in Quality::ALL {
         let mut cheapest: Option<(f64, f64, Option<Method>)> = None;
@@ -77,10 +75,10 @@ fn by_error(
             }
         }
         if let Some((error, _, method)) = cheapest {
-            let name = method.map_or(String::new(), |method| format!(", {}", method.name()));
             let why = format!(
-                "{}{name}: relative RMSE {error:.1e} at {PIXELS} pixels, {most:.1e} asked for",
-                quality.name()
+                "{}{}: relative RMSE {error:.1e} at {PIXELS} pixels, {most:.1e} asked for",
+                quality.name(),
+                method_words(method)
             );
             return Ok(Chosen {
                 quality,
@@ -93,6 +91,17 @@ fn by_error(
         format!("no quality comes below --max-error {most}: the best has {least:.1e}"),
         "allow more, or set knobs with --set (`tyndall plan` lists them)",
     ))
+}
+
+/// What errors are measured against: the finest quality, without knobs of the user's.
+fn yardstick<'c>(args: &PlanArgs, conditions: &'c Conditions) -> Result<Plan<'c>> {
+    let mut finest = args.overrules_at(Quality::Reference);
+    finest.set.clear();
+    Plan::new(conditions, &finest)
+}
+
+fn method_words(method: Option<Method>) -> String {
+    method.map_or(String::new(), |method| format!(", {}", method.name()))
 }
 
 /// The methods that are tried: the one that is asked for, or with `auto` on a GPU those that may be the cheapest.
@@ -119,32 +128,51 @@ fn by_time(
     memory: u64,
     limit: f64,
 ) -> Result<Chosen> {
+    let yardstick = yardstick(args, conditions)?;
     let mut shortest = f64::INFINITY;
     for quality in Quality::ALL.into_iter().rev() {
-        let plan = Plan::new(conditions, &args.overrules_at(quality))?;
-        let milliseconds = match Backend::new(backend)? {
-            Backend::Reference => {
-                let stages = predict(&Reference::new(&plan));
-                1e3 * stages.iter().map(|s| s.time.as_secs_f64()).sum::<f64>()
+        let mut best: Option<(f64, f64, Option<Method>)> = None;
+        let candidates = candidates(args, conditions, backend)?;
+        for method in &candidates {
+            let plan = Plan::new(conditions, &args.overrules_with(quality, *method))?;
+            let (milliseconds, done) = match Backend::new(backend)? {
+                Backend::Reference => {
+                    let stages = predict(&Reference::new(&plan));
+                    let seconds: f64 = stages.iter().map(|s| s.time.as_secs_f64()).sum();
+                    (1e3 * seconds, None)
+                }
+                gpu => {
+                    let start = Instant::now();
+                    let done = gpu.render(&plan, memory, &|_| {})?;
+                    (1e3 * start.elapsed().as_secs_f64(), Some(done))
+                }
+            };
+            shortest = shortest.min(milliseconds);
+            if milliseconds > limit {
+                continue;
             }
-            gpu => {
-                let start = Instant::now();
-                gpu.render(&plan, memory, &|_| {})?;
-                1e3 * start.elapsed().as_secs_f64()
+            // Of the methods that are quick enough the most exact one.
+            let error = match &done {
+                Some(done) => accuracy::check(&done.frame, &yardstick, PIXELS)?,
+                None => accuracy::compare(&plan, &yardstick, PIXELS)?,
+            };
+            let error = error.picture().relative_rmse;
+            if best.is_none_or(|(_, least, _)| error < least) {
+                best = Some((milliseconds, error, *method));
             }
-        };
-        if milliseconds <= limit {
+        }
+        if let Some((milliseconds, error, method)) = best {
             let why = format!(
-                "{}: about {milliseconds:.0} ms for one ray a pixel, {limit} allowed",
-                quality.name()
+                "{}{}: about {milliseconds:.0} ms for one ray a pixel, {limit} allowed; relative RMSE {error:.1e} at {PIXELS} pixels",
+                quality.name(),
+                method_words(method)
             );
             return Ok(Chosen {
                 quality,
-                method: args.method.0,
+                method,
                 why: Some(why),
             });
         }
-        shortest = shortest.min(milliseconds);
     }
     Err(Error::failed(
         format!("no quality stays within {limit} ms: draft takes about {shortest:.0}"),
