@@ -130,7 +130,9 @@ fn by_time(
 ) -> Result<Chosen> {
     let yardstick = yardstick(args, conditions)?;
     let mut shortest = f64::INFINITY;
-    for quality in Quality::ALL.into_iter().rev() {
+    let mut chosen = None;
+    // From the coarsest on, as long as twice the time is left: a finer one takes about that or more.
+    for quality in Quality::ALL {
         let mut best: Option<(f64, f64, Option<Method>)> = None;
         let candidates = candidates(args, conditions, backend)?;
         for method in &candidates {
@@ -167,12 +169,20 @@ fn by_time(
                 quality.name(),
                 method_words(method)
             );
-            return Ok(Chosen {
+            chosen = Some(Chosen {
                 quality,
                 method,
                 why: Some(why),
             });
+            if 2.0 * milliseconds > limit {
+                break;
+            }
+        } else {
+            break;
         }
+    }
+    if let Some(chosen) = chosen {
+        return Ok(chosen);
     }
     Err(Error::failed(
         format!("no quality stays within {limit} ms: draft takes about {shortest:.0}"),

@@ -252,11 +252,12 @@ fn edge_of_shadow(rows: Rows, slice: Slice, row: u32, column: f32, t: f32, reach
     return edge;
 }
 
-// Where a ray turns near a column's beginning: at the edge of what casts the shadow; or, where that has holes, halved `steps`
-// times by asking the maps at the ray's own azimuth.
-fn exact_border(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, lit_behind: bool, steps: u32) -> f32 {
+// Where a ray turns near a column's beginning: at the edge of what casts the shadow; or, where that has holes, halved
+// `halvings` times by asking the maps at the ray's own azimuth. `between` are the neighbouring borders' columns.
+fn exact_border(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, lit_behind: bool, halvings: u32,
+                between: vec2f) -> f32 {
     let t = column_distance(rows, slice, span, column);
-    if steps == 0u {
+    if halvings == 0u {
         return t;
     }
     // The row is not quite the ray's own.
@@ -267,20 +268,21 @@ fn exact_border(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, lit
     if edge >= 0.0 {
         return clamp(edge, span.shaded.x, span.shaded.y);
     }
-    var ends = vec2f(column - 1.5, column + 1.5);
-    for (var k = 0u; k < steps; k++) {
+    // Not beyond the middles between neighbouring borders.
+    var ends = vec2f(max(column - 1.5, 0.5 * (column + between.x)), min(column + 1.5, 0.5 * (column + between.y)));
+    for (var k = 0u; k < halvings; k++) {
         let middle = 0.5 * (ends.x + ends.y);
         let a = across_of(rows, middle / f32(rows.columns));
         let lit = slice.c >= slice_threshold(slice, slice_height(slice_place(slice.row, a)), a);
         ends = select(vec2f(middle, ends.y), vec2f(ends.x, middle), lit == lit_behind);
     }
-    count_reads(steps);
+    count_reads(halvings);
     return column_distance(rows, slice, span, 0.5 * (ends.x + ends.y));
 }
 
 // Sunlight that a ray scatters to the eye [1/sr]: shaded by one row, or by the one place that a ray along the light meets.
 // The row's columns are gone through from the eye outward; children that are as the ray is are passed over at once.
-// Borders are refined on the maps in `halvings` steps.
+// Borders are made exact unless `halvings` is 0.
 fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32, halvings: u32) -> vec3f {
     begin_runs(origin, direction, span.air);
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
@@ -362,17 +364,19 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
             turn(lit, t);
             last += 1u;
         }
-        // The errors of many borders cancel, so that few are worth a finer look.
-        let steps = select(0u, halvings, run_count <= 16u);
+        var before = -1e9;
         for (var k = 0u; k < run_count; k++) {
             let column = -1.0 - run_borders[k];
+            let after = -1.0 - run_borders[min(k + 1u, 15u)];
+            let next = select(1e9, after, k + 1u < run_count && after >= 0.0);
             if column > f32(crossing.first) {
-                let t = exact_border(rows, slice, span, row, column, (k & 1u) == 0u, steps);
+                let t = exact_border(rows, slice, span, row, column, (k & 1u) == 0u, halvings, vec2f(before, next));
                 run_borders[k] = max(t, run_borders[max(k, 1u) - 1u]);
             } else if column >= 0.0 {
                 // The first column begins before the ray does.
                 run_borders[k] = span.shaded.x;
             }
+            before = select(before, column, column >= 0.0);
         }
         integrate_runs();
     }

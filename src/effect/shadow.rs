@@ -5,6 +5,13 @@
 //! snapped to whole texels. Every map holds the sun-nearest caster of the whole scene: depth runs over the scene's bounds and
 //! is never clamped. A point is compared in the finest map that covers it. Maps are made for each point of the sun's disc.
 //!
+//! A map has as many texels as the picture has use for: `density` across the width of a pixel in the middle of its partition,
+//! measured across the light, up to `resolution` on a side. This is what the classes A, B and C of Kolivand et al. 2018 (section
+//! 3.4) come to in numbers: near parts, of which the eye sees every detail, get all that a side may have; the middle what it
+//! shows; what is far or lies flat under a low sun little. A part that a finer map covers altogether gets none. Maps are turned
+//! around the light, so that the edges of buildings do not lie along texels: an edge that does is off by the same part of a
+//! texel all along, and the light that a slit lets in with it.
+//!
 //! The reference traces exact shadows and has nothing to do here.
 
 use super::{Contribution, Decision, Effect, Kind, Knob, Pass, Resource};
