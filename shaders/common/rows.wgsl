@@ -362,8 +362,10 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
             turn(lit, t);
             last += 1u;
         }
-        // The errors of many borders cancel, so that few are worth a finer look.
-        let steps = select(0u, halvings, run_count <= 16u);
+        // Borders as dense as columns are not all found: to move each to an edge nearby would favour light or shadow.
+        let among = run_borders[1] - run_borders[max(run_count, 2u) - 1u];
+        let dense = run_count >= 15u && run_borders[1] < 0.0 && among < 2.5 * f32(run_count);
+        let steps = select(halvings, 0u, dense);
         for (var k = 0u; k < run_count; k++) {
             let column = -1.0 - run_borders[k];
             if column > f32(crossing.first) {
