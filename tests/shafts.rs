@@ -4,6 +4,7 @@ mod common;
 
 use common::build::layer;
 use common::scenes::soup;
+use common::shafts::*;
 use common::views::*;
 use glam::{DVec2, DVec3};
 use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
@@ -11,69 +12,12 @@ use tyndall::effect::{
     Contribution, Decision, Effect, Field, Kind, Method, Over, Pass, Resource, rows,
 };
 use tyndall::frame::Frame;
-use tyndall::gpu::{Choice, Device, Gpu, Rendered};
 use tyndall::medium::{Phase, Shape};
-use tyndall::plan::{Overrules, Plan, Quality, Step};
-use tyndall::reference::Reference;
+use tyndall::plan::{Quality, Step};
 use tyndall::scene::{self as files, Camera, Projection, SunEntry};
-use tyndall::studies::shafts::errors;
-
-type Settings<'a> = &'a [(&'a str, f64)];
 
 /// Pictures in which errors are measured [pixels].
 const PICTURE: [u32; 2] = [256, 192];
-
-/// A plan of sunlight in the air alone.
-fn plan<'c>(
-    conditions: &'c Conditions,
-    method: Method,
-    quality: Quality,
-    set: Settings,
-) -> Plan<'c> {
-    let overrules = Overrules {
-        quality,
-        method: Some(method),
-        set: set.iter().map(|(knob, v)| (knob.to_string(), *v)).collect(),
-        without: ["surface_sun", "surface_sky", "sky_dome", "sun_disc"]
-            .map(str::to_owned)
-            .to_vec(),
-        ..Overrules::default()
-    };
-    Plan::new(conditions, &overrules).expect("the plan is sound")
-}
-
-fn render(plan: &Plan) -> Rendered {
-    let device = Device::open(Choice::Any).expect("there is an adapter");
-    let mut gpu = Gpu::new(plan, device).expect("the plan fits the device");
-    let rendered = gpu.render(1 << 30, &|_| {}).expect("the device works");
-    rendered
-        .frame
-        .check()
-        .expect("every value is finite and not negative");
-    rendered
-}
-
-fn by_gpu(conditions: &Conditions, method: Method, set: Settings) -> Frame {
-    render(&plan(conditions, method, Quality::Preview, set)).frame
-}
-
-fn by_reference(conditions: &Conditions, set: Settings) -> Frame {
-    let plan = plan(conditions, Method::Rectified, Quality::Preview, set);
-    let rendered = Reference::new(&plan).render(1 << 30, &|_| {});
-    rendered.expect("the picture fits into memory").frame
-}
-
-/// Relative RMSE and bias of the light in the air.
-fn error(found: &Frame, truth: &Frame) -> (f64, f64) {
-    let light = |frame: &Frame| -> Vec<glam::Vec3> {
-        layer(frame, Field::InscatterSun)
-            .iter()
-            .map(|v| v.as_vec3())
-            .collect()
-    };
-    let (rmse, _, bias) = errors(&light(found), &light(truth));
-    (rmse, bias)
-}
 
 /// Buildings by others, seen from inside, with fog in them and the sun through their openings.
 fn interiors(test: &str) -> Vec<(String, Conditions)> {
