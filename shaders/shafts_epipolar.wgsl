@@ -11,9 +11,10 @@ fn sample_index(slice: u32, number: u32) -> u32 {
     return slice * (u32(knobs[3]) + 1u) + number;
 }
 
-// Where the air of a ray ends, with the sign that samples have.
+// Where the air of a ray ends, with the sign that samples have. Ground that the air lies on ends it too, whichever of the two
+// rounding puts first.
 fn end_of(span: Span, surface: Surface) -> f32 {
-    return select(-span.air.y, span.air.y, surface.distance <= span.air.y);
+    return select(-span.air.y, span.air.y, surface.distance <= 1.0001 * span.air.y);
 }
 
 // How much a sample that ends elsewhere says of a ray: 1 at the same place, 0 a tenth away or of another kind.

@@ -4,6 +4,7 @@ mod common;
 
 use common::build::layer;
 use common::scenes::soup;
+use common::shafts::*;
 use common::views::*;
 use glam::{DVec2, DVec3};
 use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
@@ -11,69 +12,12 @@ use tyndall::effect::{
     Contribution, Decision, Effect, Field, Kind, Method, Over, Pass, Resource, rows,
 };
 use tyndall::frame::Frame;
-use tyndall::gpu::{Choice, Device, Gpu, Rendered};
 use tyndall::medium::{Phase, Shape};
-use tyndall::plan::{Overrules, Plan, Quality, Step};
-use tyndall::reference::Reference;
+use tyndall::plan::{Quality, Step};
 use tyndall::scene::{self as files, Camera, Projection, SunEntry};
-use tyndall::studies::shafts::errors;
-
-type Settings<'a> = &'a [(&'a str, f64)];
 
 /// Pictures in which errors are measured [pixels].
 const PICTURE: [u32; 2] = [256, 192];
-
-/// A plan of sunlight in the air alone.
-fn plan<'c>(
-    conditions: &'c Conditions,
-    method: Method,
-    quality: Quality,
-    set: Settings,
-) -> Plan<'c> {
-    let overrules = Overrules {
-        quality,
-        method: Some(method),
-        set: set.iter().map(|(knob, v)| (knob.to_string(), *v)).collect(),
-        without: ["surface_sun", "surface_sky", "sky_dome", "sun_disc"]
-            .map(str::to_owned)
-            .to_vec(),
-        ..Overrules::default()
-    };
-    Plan::new(conditions, &overrules).expect("the plan is sound")
-}
-
-fn render(plan: &Plan) -> Rendered {
-    let device = Device::open(Choice::Any).expect("there is an adapter");
-    let mut gpu = Gpu::new(plan, device).expect("the plan fits the device");
-    let rendered = gpu.render(1 << 30, &|_| {}).expect("the device works");
-    rendered
-        .frame
-        .check()
-        .expect("every value is finite and not negative");
-    rendered
-}
-
-fn by_gpu(conditions: &Conditions, method: Method, set: Settings) -> Frame {
-    render(&plan(conditions, method, Quality::Preview, set)).frame
-}
-
-fn by_reference(conditions: &Conditions, set: Settings) -> Frame {
-    let plan = plan(conditions, Method::Rectified, Quality::Preview, set);
-    let rendered = Reference::new(&plan).render(1 << 30, &|_| {});
-    rendered.expect("the picture fits into memory").frame
-}
-
-/// Relative RMSE and bias of the light in the air.
-fn error(found: &Frame, truth: &Frame) -> (f64, f64) {
-    let light = |frame: &Frame| -> Vec<glam::Vec3> {
-        layer(frame, Field::InscatterSun)
-            .iter()
-            .map(|v| v.as_vec3())
-            .collect()
-    };
-    let (rmse, _, bias) = errors(&light(found), &light(truth));
-    (rmse, bias)
-}
 
 /// Buildings by others, seen from inside, with fog in them and the sun through their openings.
 fn interiors(test: &str) -> Vec<(String, Conditions)> {
@@ -368,7 +312,7 @@ fn a_sun_across_the_view_is_no_special_case() {
             if let Some(sun) = &mut view.scene.sun {
                 sun.azimuth_deg = low.to_degrees() + 0.01 * f64::from(step);
             }
-            let conditions = view.conditions([128, 96]).expect("sound");
+            let conditions = view.conditions([192, 144]).expect("sound");
             let truth = by_reference(&conditions, &[]);
             error(&by_gpu(&conditions, Method::Rectified, &[]), &truth).0
         })
@@ -555,9 +499,8 @@ fn a_slow_sun_does_not_shimmer() {
         }
         let count = (n * (frames.len() - 2)) as f64;
         let (own, second) = ((own / count).sqrt() / mean, (second / count).sqrt() / mean);
-        // Asked of a point sun was a second difference of 1.2 times a frame's own error. The slats have 1.3; where the error
-        // itself is but a seventh of a per cent, it is the texels' own and comes and goes from frame to frame.
-        let most = if diameter > 0.0 { 0.005 } else { 0.008 };
+        // Errors are few pixels' whose row just misses a beam or a gap, so that they come and go; they are no more than this.
+        let most = if diameter > 0.0 { 0.002 } else { 0.004 };
         assert!(second < most, "{} {diameter}: {second}", view.name);
         eprintln!(
             "{} {diameter}: error {own:.5}, second difference {second:.5}, ratio {:.2}",

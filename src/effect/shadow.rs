@@ -1,7 +1,7 @@
 //! Shadow maps in z-partitions, for the effects that ask on a GPU whether the sun reaches a point.
 //!
 //! What the camera sees is split along its depth z into n partitions, z_i = l zn (zf / zn)^(i/n) + (1 - l) (zn + (zf - zn) i/n)
-//! with l = 0.7 (Zhang et al. 2006); each has an orthographic map across the light whose window is fitted to the partition and
+//! with l the knob split (Zhang et al. 2006); each has an orthographic map across the light whose window is fitted to the partition and
 //! snapped to whole texels. Every map holds the sun-nearest caster of the whole scene: depth runs over the scene's bounds and
 //! is never clamped. A point is compared in the finest map that covers it. Maps are made for each point of the sun's disc.
 //!
@@ -30,6 +30,12 @@ pub const SHADOW: Effect = Effect {
             meaning: "parts of the camera's depth, one map each",
             values: [3.0, 3.0, 4.0, 4.0],
             range: [1.0, 16.0],
+        },
+        Knob {
+            name: "split",
+            meaning: "share of logarithmic spacing in the split of the camera's depth; the rest is even",
+            values: [0.7; 4],
+            range: [0.0, 1.0],
         },
         Knob {
             name: "resolution",

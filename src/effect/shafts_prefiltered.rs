@@ -25,18 +25,25 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
     method: Some(Method::Prefiltered),
     knobs: &[
         SUNS,
-        rows::ROWS,
-        rows::COLUMNS,
+        // No finer than that the sums stay below the 128 MiB that every device takes.
+        Knob {
+            values: [512.0, 1024.0, 1024.0, 1024.0],
+            ..rows::ROWS
+        },
+        Knob {
+            values: [512.0, 1024.0, 1024.0, 1024.0],
+            ..rows::COLUMNS
+        },
         Knob {
             name: "thresholds",
             meaning: "values of c at which rows are filtered",
-            values: [32.0, 32.0, 32.0, 16.0],
+            values: [32.0, 32.0, 60.0, 60.0],
             range: [2.0, 512.0],
         },
         Knob {
             name: "blocks",
             meaning: "parts of each ray in which light and shadow are averaged",
-            values: [4.0, 8.0, 16.0, 32.0],
+            values: [4.0, 8.0, 16.0, 16.0],
             range: [1.0, 256.0],
         },
     ],

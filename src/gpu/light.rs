@@ -5,15 +5,24 @@ use crate::conditions::{Conditions, SunPoint};
 use crate::scene::Projection;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec4};
 
-/// Share of the logarithmic spacing in the split of the camera's depth; the rest is even.
-const LOGARITHMIC: f64 = 0.7;
-
 /// The farthest over the nearest depth that is split: what is nearer shares the first partition.
 const DEPTHS: f64 = 200.0;
 
 /// Angle by which maps are turned around the light from the horizontal [rad]. Edges of buildings are level or upright; along
 /// texels they would be off by the same part of a texel all along, and all light that they let through with them.
 const TURN: f64 = 0.4;
+
+/// Maps have at least so many texels on a side, however few pixels there are, unless their resolution is less.
+const LEAST: f64 = 512.0;
+
+/// How the camera's depth is split.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Split {
+    /// Into how many parts.
+    pub partitions: usize,
+    /// Share of the logarithmic spacing; the rest is even.
+    pub logarithmic: f64,
+}
 
 /// How many texels maps have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,16 +103,16 @@ fn corner_rays(conditions: &Conditions) -> Vec<(DVec3, DVec3)> {
 }
 
 /// Depths at which the camera's view is split, from 0 on: the last is that of the farthest caster.
-fn splits(nearest: f64, farthest: f64, count: usize) -> Vec<f64> {
+fn splits(nearest: f64, farthest: f64, split: Split) -> Vec<f64> {
     let near = nearest.max(farthest / DEPTHS);
-    (0..=count)
+    (0..=split.partitions)
         .map(|i| {
-            let f = i as f64 / count as f64;
+            let f = i as f64 / split.partitions as f64;
             let logarithmic = near * (farthest / near).powf(f);
             let even = near + (farthest - near) * f;
             match i {
                 0 => 0.0,
-                _ => LOGARITHMIC * logarithmic + (1.0 - LOGARITHMIC) * even,
+                _ => split.logarithmic * logarithmic + (1.0 - split.logarithmic) * even,
             }
         })
         .collect()
@@ -117,7 +126,7 @@ pub fn fit(
     conditions: &Conditions,
     casters: &[DVec3],
     sun: &SunPoint,
-    partitions: usize,
+    split: Split,
     resolution: Resolution,
 ) -> Light {
     let eye = conditions.camera.eye;
@@ -148,7 +157,7 @@ pub fn fit(
     };
     (lowest, highest) = (lowest - slack, highest + slack);
 
-    let mut parts = views(conditions, place, (low, high), partitions);
+    let mut parts = views(conditions, place, (low, high), split);
     parts
         .iter_mut()
         .for_each(|part| part.window = part.window.within(&all));
@@ -205,7 +214,7 @@ fn views(
     conditions: &Conditions,
     place: impl Fn(DVec3) -> DVec2,
     (low, high): (DVec3, DVec3),
-    partitions: usize,
+    split: Split,
 ) -> Vec<Part> {
     let eye = conditions.camera.eye;
     let corners = (0..8).map(|i| {
@@ -219,12 +228,12 @@ fn views(
     if conditions.camera.projection == Projection::Panorama {
         // Nested squares around the eye.
         let farthest = corners.map(|c| c.distance(eye)).fold(0.0, f64::max);
-        let depths = splits(0.0, farthest, partitions);
+        let depths = splits(0.0, farthest, split);
         return depths
             .windows(2)
             .zip(1..)
             .map(|(pair, i)| {
-                let reach = if i == partitions {
+                let reach = if i == split.partitions {
                     f64::INFINITY
                 } else {
                     pair[1]
@@ -262,7 +271,7 @@ fn views(
             depth: 0.5 * nearest.abs(),
         }];
     }
-    let splits = splits(nearest, farthest, partitions);
+    let splits = splits(nearest, farthest, split);
     let slice = |from: f64, to: f64| {
         rays.iter().fold(Window::EMPTY, |window, (origin, step)| {
             window
@@ -274,7 +283,7 @@ fn views(
         .windows(2)
         .zip(1..)
         .map(|(pair, i)| Part {
-            window: if i == partitions {
+            window: if i == split.partitions {
                 cone
             } else {
                 slice(pair[0], pair[1])
@@ -288,7 +297,10 @@ fn views(
 /// of 2^(1/8) of the scene's diagonal, and windows begin at whole texels, so that a small change of the view moves the map by
 /// whole texels or not at all.
 fn snapped(window: &Window, texel: f64, most: u32, extent: f64) -> PartitionMap {
-    let size = ((window.max - window.min) / (f64::from(most) - 4.0)).max(DVec2::splat(texel));
+    let size = window.max - window.min;
+    // A few large pixels see less of a map than light has detail: their own means need it.
+    let wanted = (size / LEAST).min(DVec2::splat(texel));
+    let size = (size / (f64::from(most) - 4.0)).max(wanted);
     let step = |x: f64| extent * (0.125 * (8.0 * (x / extent).log2()).ceil()).exp2();
     let texel = DVec2::new(step(size.x), step(size.y)).as_vec2();
     let least = (window.min / texel.as_dvec2()).floor() - 1.0;
@@ -306,7 +318,14 @@ mod tests {
 
     #[test]
     fn splits_grow_from_nothing_to_the_farthest() {
-        let depths = splits(0.1, 100.0, 4);
+        let depths = splits(
+            0.1,
+            100.0,
+            Split {
+                partitions: 4,
+                logarithmic: 0.7,
+            },
+        );
         assert_eq!(depths.len(), 5);
         assert_eq!(depths[0], 0.0);
         assert!((depths[4] - 100.0).abs() < 1e-9);

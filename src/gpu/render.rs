@@ -7,7 +7,7 @@ mod make;
 mod view;
 
 use super::device::{Device, Traffic};
-use super::light::{self, Resolution};
+use super::light::{self, Resolution, Split};
 use super::pipeline::{Pipelines, Raster};
 use super::scene::{Plane, SceneBuffers, Triangles, media};
 use super::shared;
@@ -113,7 +113,7 @@ struct Slot {
 struct SunMaps {
     raster: Raster,
     group: BindGroup,
-    partitions: usize,
+    split: Split,
     resolution: Resolution,
     casters: Vec<DVec3>,
     /// The same, relative to the eye, as the shaders read them.

@@ -136,7 +136,7 @@ impl SunMaps {
                 device,
                 label,
                 UVec2::splat(side),
-                self.partitions as u32,
+                self.split.partitions as u32,
                 format,
                 TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
             )
@@ -151,7 +151,7 @@ impl SunMaps {
                 ..Default::default()
             })
         };
-        let views = (0..self.partitions as u32)
+        let views = (0..self.split.partitions as u32)
             .map(|k| (layer(&depths, k), layer(&casters, k)))
             .collect();
         let all = |maps: &Texture| {

@@ -84,14 +84,14 @@ impl Gpu<'_> {
             self.plan.conditions,
             &maps.casters,
             sun,
-            maps.partitions,
+            maps.split,
             maps.resolution,
         );
         // Points of one disc ask for nearly the same.
         let side = (light.side as u32)
             .next_multiple_of(SIDES)
             .min(maps.resolution.most);
-        let bytes = 8 * u64::from(side).pow(2) * maps.partitions as u64;
+        let bytes = 8 * u64::from(side).pow(2) * maps.split.partitions as u64;
         let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
         let index = match kept {
             Some(index) => index,

@@ -181,7 +181,6 @@ impl<'a> Maker<'_, 'a> {
         group: BindGroup,
     ) -> Result<SunMaps> {
         let resolution = settings.get("resolution") as u32;
-        let partitions = settings.get("partitions") as usize;
         let most = self.device.limits().max_texture_dimension_2d;
         if resolution > most {
             return Err(Error::domain(
@@ -194,7 +193,10 @@ impl<'a> Maker<'_, 'a> {
         Ok(SunMaps {
             raster,
             group,
-            partitions,
+            split: Split {
+                partitions: settings.get("partitions") as usize,
+                logarithmic: settings.get("split"),
+            },
             resolution: Resolution {
                 density: settings.get("density"),
                 most: resolution,
