@@ -3,109 +3,16 @@
 
 mod common;
 
-use common::build::layer;
+use common::flat::*;
 use common::shafts::*;
 use common::views::*;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use std::f64::consts::PI;
-use tyndall::conditions::Conditions;
-use tyndall::effect::{Field, Method};
-use tyndall::frame::Frame;
+use tyndall::effect::Method;
 use tyndall::gpu::{Choice, Device, Gpu};
-use tyndall::medium::{Medium, Phase, Scattering, Shape};
+use tyndall::medium::{Phase, Scattering, Shape};
 use tyndall::plan::Quality;
 use tyndall::scene::{Camera, Projection, Ray};
-
-/// The methods that are held to exact shadows.
-const EXACT: [Method; 2] = [Method::Rectified, Method::Epipolar];
-
-const HAZY: Phase = Phase::HenyeyGreenstein { g: 0.4 };
-
-/// A view of air under a sun of azimuth and elevation [deg], with triangles in it or with none that matters.
-fn view(triangles: &[Corners], sun: [f64; 2], air: Medium, camera: Camera) -> View {
-    // A scene has something in it.
-    let low = DVec3::new(0.0, -500.0, 0.0);
-    let speck = [[low, low + 1e-3 * DVec3::X, low + 1e-3 * DVec3::Z]];
-    let triangles = if triangles.is_empty() {
-        &speck
-    } else {
-        triangles
-    };
-    let mut scene = scene(triangles, sun[0], sun[1]);
-    scene.media = vec![air];
-    View {
-        name: "made in the test",
-        scene,
-        camera,
-    }
-}
-
-/// The same without anything that casts a shadow.
-fn open(conditions: &Conditions) -> Conditions {
-    let sun = [conditions.sun_azimuth_deg(), conditions.sun_elevation_deg()];
-    view(&[], sun, conditions.air.media[0].clone(), conditions.camera)
-        .conditions(conditions.size)
-        .expect("sound")
-}
-
-fn rays(conditions: &Conditions) -> Vec<Ray> {
-    let [w, h] = conditions.size;
-    (0..h)
-        .flat_map(|y| (0..w).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)))
-        .map(|at| conditions.camera.ray(at, conditions.size))
-        .collect()
-}
-
-fn light(frame: &Frame) -> Vec<f64> {
-    let of = |v: &DVec3| v.x;
-    layer(frame, Field::InscatterSun).iter().map(of).collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Relative RMSE.
-fn apart(found: &[f64], truth: &[f64]) -> f64 {
-    let square = found.iter().zip(truth).map(|(a, b)| (a - b).powi(2));
-    (square.sum::<f64>() / truth.len() as f64).sqrt() / mean(truth)
-}
-
-/// The greatest relative difference.
-fn worst(found: &[f64], truth: &[f64]) -> f64 {
-    let off = found.iter().zip(truth).map(|(a, b)| (a / b - 1.0).abs());
-    off.fold(0.0, f64::max)
-}
-
-/// Homogeneous air whose flat top at `top` is where the sun comes in: light from the runs [a, b] of a ray, in closed form.
-/// The depth eye to point to sun is linear along the ray.
-struct Flat {
-    top: f64,
-    scattering: f64,
-    extinction: f64,
-    phase: Phase,
-}
-
-impl Flat {
-    fn medium(&self, shape: Shape) -> Medium {
-        fog(
-            shape,
-            self.scattering,
-            self.extinction - self.scattering,
-            self.phase,
-        )
-    }
-
-    fn light(&self, conditions: &Conditions, ray: &Ray, runs: &[[f64; 2]]) -> f64 {
-        let (w, r) = (conditions.sun.toward, ray.direction);
-        let start = self.extinction * (self.top - ray.origin.y) / w.y;
-        let slope = self.extinction * (1.0 - r.y / w.y);
-        let source = self.scattering * self.phase.value(1.0 - r.dot(w));
-        let part =
-            |[a, b]: &[f64; 2]| (-start - slope * a).exp() * -(-slope * (b - a)).exp_m1() / slope;
-        conditions.sun.light.illuminance.x * source * runs.iter().map(part).sum::<f64>()
-    }
-}
 
 /// Every depth of partition by partition, near to far, as the maps are split.
 fn splits(nearest: f64, farthest: f64, count: usize, logarithmic: f64) -> Vec<f64> {
@@ -137,7 +44,7 @@ fn borders_between_partitions_leave_no_trace() {
     let moved = borders(0.7).into_iter().zip(borders(0.707));
     assert_eq!(moved.filter(|(a, b)| (a - b).abs() > 1e-3 * a).count(), 3);
     let fine: Settings = &[("shadow.resolution", 2048.0), ("shadow.density", 1024.0)];
-    let coarse: Settings = &[("shadow.density", 0.25), ("shafts.halvings", 0.0)];
+    let coarse: Settings = &[("shadow.resolution", 48.0), ("shafts.halvings", 0.0)];
     for (view, method) in [
         (forest(300), Method::Rectified),
         (gates(), Method::Epipolar),

@@ -217,19 +217,19 @@ fn column_distance(rows: Rows, slice: Slice, span: Span, column: f32) -> f32 {
 fn edge_of_shadow(rows: Rows, slice: Slice, row: u32, column: f32, t: f32, reach: f32, lit_behind: bool) -> f32 {
     let outward = select(-1.0, 1.0, lit_behind);
     let onward = outward * normalize(axis_parts(run_direction).xy);
-    var place = slice_place(rows.first + (f32(row) + 0.5) * rows.step,
-                            across_of(rows, (column - 0.5 * outward) / f32(rows.columns)));
+    let dark = across_of(rows, (column - 0.5 * outward) / f32(rows.columns));
+    // Where to look, and where if that is in vain: at the ray's own azimuth.
+    var place = slice_place(rows.first + (f32(row) + 0.5) * rows.step, dark);
+    var instead = slice_place(slice.row, dark);
     var edge = -1.0;
     var within = vec2f(-FARTHEST, FARTHEST);
     var last = NO_CASTER;
-    var texel = 0.0;
-    var tries = 1u;
+    var tries = 2u;
     for (var k = 0u; k < 8u && tries > 0u; k++) {
         tries -= 1u;
         let caster = solid_caster(place);
         count_reads(1u);
-        // Next time nearer the edge: what goes on there may be thin.
-        place -= 0.5 * texel * onward;
+        place = instead;
         if caster == NO_CASTER || caster == last {
             continue;
         }
@@ -237,14 +237,19 @@ fn edge_of_shadow(rows: Rows, slice: Slice, row: u32, column: f32, t: f32, reach
         if shadow.y < max(shadow.x, within.x) || shadow.x > within.y {
             continue;
         }
-        edge = select(shadow.x, shadow.y, lit_behind);
-        if abs(edge - t) > reach {
-            return -1.0;
+        let end = select(shadow.x, shadow.y, lit_behind);
+        if abs(end - t) > reach {
+            if last != NO_CASTER {
+                return -1.0;
+            }
+            continue;
         }
+        edge = end;
         last = caster;
-        // A texel farther on.
+        // A texel farther on, or nearer the edge: what goes on there may be thin.
         place = slice_place(slice.row, slice.start + edge * slice.sine);
-        texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+        let texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+        instead = place + 0.25 * texel * onward;
         place += 0.75 * texel * onward;
         within = vec2f(edge) + texel / slice.sine * select(vec2f(-1.0, 0.0), vec2f(0.0, 1.0), lit_behind);
         tries = 2u;

@@ -13,7 +13,7 @@ const DEPTHS: f64 = 200.0;
 const TURN: f64 = 0.4;
 
 /// Maps have at least so many texels on a side, however few pixels there are, unless their resolution is less.
-const LEAST: f64 = 512.0;
+const LEAST: f64 = 256.0;
 
 /// How the camera's depth is split.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -36,7 +36,7 @@ pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 const TILE: u32 = 512;
 
 /// Shadow maps of several of the sun's points are kept up to this size [bytes].
-const KEPT_MAPS: u64 = 512 << 20;
+const KEPT_MAPS: u64 = 1 << 30;
 
 /// Rays that are handed to a core at once.
 const CHUNK: usize = 256;

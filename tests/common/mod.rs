@@ -3,6 +3,7 @@
 
 pub mod build;
 pub mod files;
+pub mod flat;
 pub mod scenes;
 pub mod shafts;
 pub mod views;
