@@ -130,12 +130,12 @@ fn by_time(
 ) -> Result<Chosen> {
     let yardstick = yardstick(args, conditions)?;
     let mut shortest = f64::INFINITY;
-    let mut chosen = None;
+    let mut chosen: Option<(f64, Chosen)> = None;
     // From the coarsest on, as long as twice the time is left: a finer one takes about that or more.
     for quality in Quality::ALL {
         let mut best: Option<(f64, f64, Option<Method>)> = None;
-        let candidates = candidates(args, conditions, backend)?;
-        for method in &candidates {
+        let mut quickest = f64::INFINITY;
+        for method in &candidates(args, conditions, backend)? {
             let plan = Plan::new(conditions, &args.overrules_with(quality, *method))?;
             let (milliseconds, done) = match Backend::new(backend)? {
                 Backend::Reference => {
@@ -149,6 +149,7 @@ fn by_time(
                     (1e3 * start.elapsed().as_secs_f64(), Some(done))
                 }
             };
+            quickest = quickest.min(milliseconds);
             shortest = shortest.min(milliseconds);
             if milliseconds > limit {
                 continue;
@@ -169,19 +170,22 @@ fn by_time(
                 quality.name(),
                 method_words(method)
             );
-            chosen = Some(Chosen {
-                quality,
-                method,
-                why: Some(why),
-            });
-            if 2.0 * milliseconds > limit {
-                break;
+            // A finer quality by a coarser method may be no better.
+            if chosen.as_ref().is_none_or(|(least, _)| error < *least) {
+                let why = Some(why);
+                let picked = Chosen {
+                    quality,
+                    method,
+                    why,
+                };
+                chosen = Some((error, picked));
             }
-        } else {
+        }
+        if 2.0 * quickest > limit {
             break;
         }
     }
-    if let Some(chosen) = chosen {
+    if let Some((_, chosen)) = chosen {
         return Ok(chosen);
     }
     Err(Error::failed(

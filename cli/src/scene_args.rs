@@ -73,7 +73,7 @@ pub struct PlanArgs {
     /// Take the coarsest quality whose measured relative RMSE is at most this
     #[arg(long, value_name = "X", value_parser = positive, conflicts_with_all = ["quality", "within"])]
     pub max_error: Option<f64>,
-    /// Take the finest quality whose predicted time is at most this, in milliseconds
+    /// Take the finest quality whose time, measured on a GPU and predicted on the CPU, is at most this, in milliseconds
     #[arg(long, value_name = "MS", value_parser = positive, conflicts_with = "quality")]
     pub within: Option<f64>,
     /// Leave out effects that surely add less than this share of the picture's mean luminance

@@ -72,7 +72,27 @@ fn solid_caster(at: vec2f) -> u32 {
     return select(found - 1u, NO_CASTER, found >= CUT_OUT);
 }
 
-// The part of a ray that lies in a triangle's shadow, of the ray as a line; empty when it begins behind its end.
+fn corner_of_caster(at: vec2u, k: u32, origin: vec3f) -> vec3f {
+    return axis_parts(textureLoad(caster_corners, at + vec2u(k, 0u), 0).xyz - origin);
+}
+
+// The part of a span where bound.x + t bound.y >= 0.
+fn bounded(span: vec2f, bound: vec2f) -> vec2f {
+    if bound.y == 0.0 {
+        return select(span, vec2f(0.0, -1.0), bound.x < 0.0);
+    }
+    let t = -bound.x / bound.y;
+    return select(vec2f(span.x, min(span.y, t)), vec2f(max(span.x, t), span.y), bound.y > 0.0);
+}
+
+// Inside of the edge from a to b of a triangle that runs to the left, seen along the light.
+fn beside(a: vec3f, b: vec3f, d: vec3f) -> vec2f {
+    let edge = b.xy - a.xy;
+    return vec2f(edge.y * a.x - edge.x * a.y, edge.x * d.y - edge.y * d.x);
+}
+
+// The part of a ray that lies in a triangle's shadow, of the ray as a line; empty when it begins behind its end. Written out:
+// some drivers count the turns of all loops of a shader and end them at 65 535.
 fn shadow_of(triangle: u32, origin: vec3f, direction: vec3f) -> vec2f {
     let size = textureDimensions(caster_corners);
     let at = vec2u(3u * triangle % size.x, 3u * triangle / size.x);
@@ -80,32 +100,16 @@ fn shadow_of(triangle: u32, origin: vec3f, direction: vec3f) -> vec2f {
         return vec2f(0.0, -1.0);
     }
     let d = axis_parts(direction);
-    var p: array<vec3f, 3>;
-    for (var k = 0u; k < 3u; k++) {
-        p[k] = axis_parts(textureLoad(caster_corners, at + vec2u(k, 0u), 0).xyz - origin);
-    }
-    let normal = cross(p[1] - p[0], p[2] - p[0]);
+    let p0 = corner_of_caster(at, 0u, origin);
+    let p1 = corner_of_caster(at, 1u, origin);
+    let p2 = corner_of_caster(at, 2u, origin);
+    let normal = cross(p1 - p0, p2 - p0);
     let side = sign(normal.z);
-    // Inside of each edge, and not over the plane: where x + t y >= 0.
-    var bounds: array<vec2f, 4>;
-    for (var k = 0u; k < 3u; k++) {
-        let corner = p[k].xy;
-        let edge = p[(k + 1u) % 3u].xy - corner;
-        bounds[k] = side * vec2f(edge.y * corner.x - edge.x * corner.y, edge.x * d.y - edge.y * d.x);
-    }
-    bounds[3] = side * vec2f(dot(normal, p[0]), -dot(normal, d));
-    var span = vec2f(-FARTHEST, FARTHEST);
-    for (var k = 0u; k < 4u; k++) {
-        let t = -bounds[k].x / bounds[k].y;
-        if bounds[k].y > 0.0 {
-            span.x = max(span.x, t);
-        } else if bounds[k].y < 0.0 {
-            span.y = min(span.y, t);
-        } else if bounds[k].x < 0.0 {
-            return vec2f(0.0, -1.0);
-        }
-    }
-    return span;
+    // Not over the plane, and inside of each edge.
+    var span = bounded(vec2f(-FARTHEST, FARTHEST), side * vec2f(dot(normal, p0), -dot(normal, d)));
+    span = bounded(span, side * beside(p0, p1, d));
+    span = bounded(span, side * beside(p1, p2, d));
+    return bounded(span, side * beside(p2, p0, d));
 }
 
 // Whether the sun reaches a point of the air: the nearest texel, never an interpolated height, no bias.

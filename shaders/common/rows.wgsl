@@ -310,6 +310,7 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
     }
     // What comes behind the last column: a ray along the light turns twice, all is lit, the air ends.
     var last = select(2u, select(0u, 2u, span.shaded.y <= span.shaded.x), along);
+    var before = -1e9;
     while last < 4u {
         while column < crossing.last && !is_full() {
             let held = select(select(select(held0, held1, level == 1u), held2, level == 2u), held3, level == 3u);
@@ -371,9 +372,8 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
         }
         // Borders as dense as columns are not all found: to move each to an edge nearby would favour light or shadow.
         let among = run_borders[1] - run_borders[max(run_count, 2u) - 1u];
-        let dense = run_count >= 15u && run_borders[1] < 0.0 && among < 2.5 * f32(run_count);
+        let dense = run_count >= 15u && run_borders[1] < 0.0 && run_borders[run_count - 1u] < 0.0 && among < 2.5 * f32(run_count);
         let steps = select(halvings, 0u, dense);
-        var before = -1e9;
         for (var k = 0u; k < run_count; k++) {
             let column = -1.0 - run_borders[k];
             let after = -1.0 - run_borders[min(k + 1u, 15u)];

@@ -12,19 +12,25 @@ impl Conditions {
         self.sun.points(if one { 1 } else { count })
     }
 
-    /// No penumbra is wider in the picture than this [pixels]; infinite where that cannot be said.
+    /// No penumbra in the air or on the ground is wider in the picture than this [pixels]; infinite where that cannot be said.
     ///
     /// The edge of a shadow is as wide as the sun's disc looks from behind it, s 2 tan(r): r the disc's angular radius, s the
-    /// distance from the edge. All shadow lies in the sphere around the casters, drawn out along the light as far as there is
-    /// ground or air to fall on; the distance to that from the eye says how large it can look.
+    /// distance from the edge; on the ground longer by 1 / sin(elevation). All shadow lies in the sphere around the casters,
+    /// drawn out along the light as far as there is ground or air to fall on; the distance to that from the eye says how large
+    /// it can look. On faces of casters that the sun grazes it may be longer.
     pub fn widest_penumbra(&self) -> f64 {
         let (low, high) = self.geometry.bounds();
         let middle = 0.5 * (low + high);
         let radius = 0.5 * (high - low).length();
         let down = -self.sun.toward;
+        // The lower edge of the disc throws the longest shadows.
+        let lowest = (self.sun.toward.y.clamp(-1.0, 1.0).asin() - self.sun.angular_radius).sin();
+        if lowest <= 0.0 {
+            return f64::INFINITY;
+        }
         let to_ground = self
             .ground
-            .map(|ground| (middle.y + radius - ground.height).max(0.0) / self.sun.toward.y);
+            .map(|ground| (middle.y + radius - ground.height).max(0.0) / lowest);
         // Without ground, shadows end where boxes of air do, and are without end in other air.
         let to_air = self.air.media.iter().map(|medium| match medium.shape {
             Shape::Box { min, max } => {
@@ -40,7 +46,12 @@ impl Conditions {
         if !length.is_finite() {
             return f64::INFINITY;
         }
-        let width = (length + radius) * 2.0 * self.sun.angular_radius.tan();
+        let stretch = if self.ground.is_some() {
+            1.0 / lowest
+        } else {
+            1.0
+        };
+        let width = (length + radius) * 2.0 * self.sun.angular_radius.tan() * stretch;
         let along = (self.camera.eye - middle).dot(down).clamp(0.0, length);
         let nearest = self.camera.eye.distance(middle + along * down) - radius;
         let pixel = self.smallest_pixel();
@@ -51,30 +62,24 @@ impl Conditions {
         }
     }
 
-    /// The least distance between the rays of neighbouring pixels, at a metre from the eye [m]; in an orthographic view
-    /// anywhere.
+    /// The width of a pixel at a metre from the eye where it is least [m]: toward a perspective's corners it shrinks by cos2. A
+    /// panorama's is that of its rows; in an orthographic view all are alike, anywhere.
     fn smallest_pixel(&self) -> f64 {
-        let at = |x: f64, y: f64| {
-            let ray = self.camera.ray(DVec2::new(x, y), self.size);
-            match self.camera.projection {
-                Projection::Orthographic { .. } => ray.origin,
-                _ => ray.direction,
-            }
-        };
+        let at = |x: f64, y: f64| self.camera.ray(DVec2::new(x, y), self.size);
         let [w, h] = self.size.map(f64::from);
-        // Perspective shrinks toward the corners; a panorama toward its poles, where pixels lie side by side, not its meridians.
-        let corners = [
-            (0.0, 0.0),
-            (w - 1.0, 0.0),
-            (0.0, h - 1.0),
-            (w - 1.0, h - 1.0),
-        ];
-        let aside = |(x, y): (f64, f64)| at(x, y).distance(at(x + 1.0, y));
-        let below = |(x, y): (f64, f64)| at(x, y).distance(at(x, y + 1.0));
-        let least = corners.map(below).into_iter().fold(f64::INFINITY, f64::min);
+        let (x, y) = (0.5 * w, 0.5 * h);
+        let (middle, below) = (at(x, y), at(x, y + 1.0));
         match self.camera.projection {
-            Projection::Panorama => least,
-            _ => corners.map(aside).into_iter().fold(least, f64::min),
+            Projection::Orthographic { .. } => middle.origin.distance(below.origin),
+            Projection::Panorama => middle.direction.distance(below.direction),
+            Projection::Perspective { fov_y } => {
+                let [_, _, forward] = self.camera.axes();
+                let cosine = [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)]
+                    .map(|(x, y)| at(x, y).direction.dot(forward))
+                    .into_iter()
+                    .fold(1.0, f64::min);
+                2.0 * (0.5 * fov_y).tan() / h * cosine * cosine
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ const DEPTHS: f64 = 200.0;
 /// texels they would be off by the same part of a texel all along, and all light that they let through with them.
 const TURN: f64 = 0.4;
 
-/// Maps have at least so many texels on a side, however few pixels there are, unless their resolution is less.
+/// Maps have about so many texels on a side, however few pixels there are, unless their resolution is less.
 const LEAST: f64 = 256.0;
 
 /// How the camera's depth is split.
@@ -293,7 +293,8 @@ fn views(
         .collect()
 }
 
-/// The map that covers a window with two texels to spare, texels being no smaller than `texel` [m]: their sizes come in steps
+/// The map that covers a window with two texels to spare, texels being about `texel` [m] wide, less where that makes fewer than
+/// [`LEAST`], more where it makes more than `most`: their sizes come in steps
 /// of 2^(1/8) of the scene's diagonal, and windows begin at whole texels, so that a small change of the view moves the map by
 /// whole texels or not at all.
 fn snapped(window: &Window, texel: f64, most: u32, extent: f64) -> PartitionMap {
