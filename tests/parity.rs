@@ -3,6 +3,7 @@
 mod common;
 
 use common::build::*;
+use common::shafts::render;
 use common::views::*;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -10,7 +11,7 @@ use tyndall::colour::luminance;
 use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
 use tyndall::effect::{Contribution, Decision, Effect, Field, Kind, Method, Pass, Resource};
 use tyndall::frame::Frame;
-use tyndall::gpu::{Choice, Device, Gpu, Rendered};
+use tyndall::gpu::{Choice, Device, Gpu};
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality, Step};
 use tyndall::reference::Reference;
@@ -45,19 +46,8 @@ fn plan_by<'c>(conditions: &'c Conditions, method: Method, set: Settings) -> Pla
     Plan::new(conditions, &overrules).expect("the plan is sound")
 }
 
-fn render_on_gpu(plan: &Plan) -> Rendered {
-    let device = Device::open(Choice::Any).expect("there is an adapter");
-    let mut gpu = Gpu::new(plan, device).expect("the plan fits the device");
-    let rendered = gpu.render(1 << 30, &|_| {}).expect("the device works");
-    rendered
-        .frame
-        .check()
-        .expect("every value is finite and not negative");
-    rendered
-}
-
 fn by_gpu(conditions: &Conditions, set: Settings) -> Frame {
-    render_on_gpu(&plan(conditions, set)).frame
+    render(&plan(conditions, set)).frame
 }
 
 fn render_by_reference(plan: &Plan) -> Frame {
@@ -608,7 +598,7 @@ fn hard_cases_stay_finite_and_in_order() {
         ];
         let truth = by_reference(&conditions);
         for method in Method::ALL {
-            let found = render_on_gpu(&plan_by(&conditions, method, &set)).frame;
+            let found = render(&plan_by(&conditions, method, &set)).frame;
             assert!(found.transmittance.iter().all(|t| t.max_element() <= 1.0));
             let names = |f: &Frame| f.layers.iter().map(|l| l.name).collect::<Vec<_>>();
             assert_eq!(names(&found), names(&truth), "{k} {method:?}");
@@ -729,13 +719,13 @@ fn an_added_effect_is_rendered_compared_and_reported() {
     let truth = render_by_reference(&with_glow(true));
     assert!(layer(&truth, Field::Lights).iter().any(|v| v.x > 1.0));
     for passes in [true, false] {
-        let found = render_on_gpu(&with_glow(passes));
+        let found = render(&with_glow(passes));
         assert_eq!(disagreements(&found.frame, &truth), [""; 0]);
         let entry = found.passes.iter().find(|p| p.effect == "glow");
         assert_eq!(entry.map(|p| p.on_cpu), Some(!passes));
     }
     // One that does not do what its reference does is noticed.
-    let plain = render_on_gpu(&plan(&conditions, ADEQUATE));
+    let plain = render(&plan(&conditions, ADEQUATE));
     let complaints = disagreements(&plain.frame, &truth);
     assert_eq!(complaints.len(), 1, "{complaints:?}");
     assert!(complaints[0].starts_with("lights"));
