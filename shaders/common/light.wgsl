@@ -62,14 +62,14 @@ fn caster_height(part: u32, texel: vec2i) -> f32 {
     return select(light.heights.y - depth * (light.heights.y - light.heights.x), -1e30, depth >= 1.0);
 }
 
-// Number of the sun-nearest caster at a place, if there is one without holes; else NO_CASTER.
-fn solid_caster(at: vec2f) -> u32 {
+// Number of the sun-nearest caster at a place; NO_CASTER where there is none, CUT_OUT where it has holes.
+fn caster_at(at: vec2f) -> u32 {
     let k = covering(at, 0.0);
     if k == light.partitions {
         return NO_CASTER;
     }
     let found = textureLoad(sun_casters, vec2i((at - light.maps[k].least) / light.maps[k].texel), k, 0).x;
-    return select(found - 1u, NO_CASTER, found >= CUT_OUT);
+    return select(found - 1u, CUT_OUT, found >= CUT_OUT);
 }
 
 fn corner_of_caster(at: vec2u, k: u32, origin: vec3f) -> vec3f {

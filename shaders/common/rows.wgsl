@@ -211,25 +211,35 @@ fn column_distance(rows: Rows, slice: Slice, span: Span, column: f32) -> f32 {
     return clamp((a - slice.start) / slice.sine, span.shaded.x, span.shaded.y);
 }
 
+// What stands for a border that casters' edges do not tell: that of something without an edge nearby, or with holes.
+const NO_EDGE = -1.0;
+const HOLES = -2.0;
+
 // Where the shadow ends (or begins, unless it is lit behind) that the caster over a dark place of the row throws on the ray
-// itself, if that is within `reach` of the border at t; else a negative distance. A caster that goes on where the first one
-// ends is followed.
-fn edge_of_shadow(rows: Rows, slice: Slice, row: u32, column: f32, t: f32, reach: f32, lit_behind: bool) -> f32 {
+// itself, if that is near the column's border at t. A caster that goes on where the first one ends is followed.
+fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t: f32, lit_behind: bool) -> f32 {
+    // The row is not quite the ray's own.
+    let apart = abs(slice.row - rows.first - (f32(row) + 0.5) * rows.step);
+    let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u) / slice.sine;
+    let reach = 4.0 * shift + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
     let outward = select(-1.0, 1.0, lit_behind);
     let onward = outward * normalize(axis_parts(run_direction).xy);
     let dark = across_of(rows, (column - 0.5 * outward) / f32(rows.columns));
     // Where to look, and where if that is in vain: at the ray's own azimuth.
     var place = slice_place(rows.first + (f32(row) + 0.5) * rows.step, dark);
     var instead = slice_place(slice.row, dark);
-    var edge = -1.0;
+    var edge = NO_EDGE;
     var within = vec2f(-FARTHEST, FARTHEST);
     var last = NO_CASTER;
     var tries = 2u;
     for (var k = 0u; k < 8u && tries > 0u; k++) {
         tries -= 1u;
-        let caster = solid_caster(place);
+        let caster = caster_at(place);
         count_reads(1u);
         place = instead;
+        if caster == CUT_OUT {
+            return select(edge, HOLES, last == NO_CASTER);
+        }
         if caster == NO_CASTER || caster == last {
             continue;
         }
@@ -240,7 +250,7 @@ fn edge_of_shadow(rows: Rows, slice: Slice, row: u32, column: f32, t: f32, reach
         let end = select(shadow.x, shadow.y, lit_behind);
         if abs(end - t) > reach {
             if last != NO_CASTER {
-                return -1.0;
+                return NO_EDGE;
             }
             continue;
         }
@@ -257,22 +267,9 @@ fn edge_of_shadow(rows: Rows, slice: Slice, row: u32, column: f32, t: f32, reach
     return edge;
 }
 
-// Where a ray turns near a column's beginning: at the edge of what casts the shadow; or, where that has holes, halved
-// `halvings` times by asking the maps at the ray's own azimuth. `between` are the neighbouring borders' columns.
-fn exact_border(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, lit_behind: bool, halvings: u32,
-                between: vec2f) -> f32 {
-    let t = column_distance(rows, slice, span, column);
-    if halvings == 0u {
-        return t;
-    }
-    // The row is not quite the ray's own.
-    let apart = abs(slice.row - rows.first - (f32(row) + 0.5) * rows.step);
-    let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u) / slice.sine;
-    let reach = 4.0 * shift + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
-    let edge = edge_of_shadow(rows, slice, row, column, t, reach, lit_behind);
-    if edge >= 0.0 {
-        return clamp(edge, span.shaded.x, span.shaded.y);
-    }
+// Where a ray turns near a column's beginning, halved `halvings` times by asking the maps at the ray's own azimuth. `between`
+// are the neighbouring borders' columns.
+fn halved_border(rows: Rows, slice: Slice, span: Span, column: f32, lit_behind: bool, halvings: u32, between: vec2f) -> f32 {
     // Not beyond the middles between neighbouring borders.
     var ends = vec2f(max(column - 1.5, 0.5 * (column + between.x)), min(column + 1.5, 0.5 * (column + between.y)));
     for (var k = 0u; k < halvings; k++) {
@@ -287,7 +284,8 @@ fn exact_border(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, lit
 
 // Sunlight that a ray scatters to the eye [1/sr]: shaded by one row, or by the one place that a ray along the light meets.
 // The row's columns are gone through from the eye outward; children that are as the ray is are passed over at once.
-// Borders are made exact unless `halvings` is 0.
+// Borders are made exact unless `halvings` is 0: taken from the edges of casters, or halved where those tell nothing. Many
+// borders of something with holes, as leaves are, stay at their columns: they are off to both sides, and each is little.
 fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32, halvings: u32) -> vec3f {
     begin_runs(origin, direction, span.air);
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
@@ -373,13 +371,22 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
         // Borders as dense as columns are not all found: to move each to an edge nearby would favour light or shadow.
         let among = run_borders[1] - run_borders[max(run_count, 2u) - 1u];
         let dense = run_count >= 15u && run_borders[1] < 0.0 && run_borders[run_count - 1u] < 0.0 && among < 2.5 * f32(run_count);
-        let steps = select(halvings, 0u, dense);
+        var exact = halvings > 0u && !dense;
         for (var k = 0u; k < run_count; k++) {
             let column = -1.0 - run_borders[k];
             let after = -1.0 - run_borders[min(k + 1u, 15u)];
             let next = select(1e9, after, k + 1u < run_count && after >= 0.0);
             if column > f32(crossing.first) {
-                let t = exact_border(rows, slice, span, row, column, (k & 1u) == 0u, steps, vec2f(before, next));
+                var t = column_distance(rows, slice, span, column);
+                if exact {
+                    let edge = edge_of_shadow(rows, slice, span, row, column, t, (k & 1u) == 0u);
+                    exact = edge != HOLES || run_count <= 8u;
+                    if edge >= 0.0 {
+                        t = clamp(edge, span.shaded.x, span.shaded.y);
+                    } else if exact {
+                        t = halved_border(rows, slice, span, column, (k & 1u) == 0u, halvings, vec2f(before, next));
+                    }
+                }
                 run_borders[k] = max(t, run_borders[max(k, 1u) - 1u]);
             } else if column >= 0.0 {
                 // The first column begins before the ray does.
