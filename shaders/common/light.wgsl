@@ -72,17 +72,28 @@ fn caster_at(at: vec2f) -> u32 {
     return select(found - 1u, CUT_OUT, found >= CUT_OUT);
 }
 
-fn corner_of_caster(at: vec2u, k: u32, origin: vec3f) -> vec3f {
-    return axis_parts(textureLoad(caster_corners, at + vec2u(k, 0u), 0).xyz - origin);
+// The part of a ray that lies in a triangle's shadow, of the ray as a line; empty when it begins behind its end.
+struct Shadow {
+    span: vec2f,
+    // The triangles over whose edges it begins and ends; NO_CASTER where there is none, and where the ray crosses the plane.
+    beyond: vec2u,
 }
 
-// The part of a span where bound.x + t bound.y >= 0.
-fn bounded(span: vec2f, bound: vec2f) -> vec2f {
-    if bound.y == 0.0 {
-        return select(span, vec2f(0.0, -1.0), bound.x < 0.0);
-    }
+// The part of a shadow where bound.x + t bound.y >= 0. The number of what is beyond is one more, 0 for none.
+fn bounded(shadow: Shadow, bound: vec2f, beyond: f32) -> Shadow {
+    let found = u32(beyond) - 1u;
+    var less = shadow;
     let t = -bound.x / bound.y;
-    return select(vec2f(span.x, min(span.y, t)), vec2f(max(span.x, t), span.y), bound.y > 0.0);
+    if bound.y == 0.0 {
+        less.span = select(shadow.span, vec2f(0.0, -1.0), bound.x < 0.0);
+    } else if bound.y > 0.0 && t > shadow.span.x {
+        less.span.x = t;
+        less.beyond.x = found;
+    } else if bound.y < 0.0 && t < shadow.span.y {
+        less.span.y = t;
+        less.beyond.y = found;
+    }
+    return less;
 }
 
 // Inside of the edge from a to b of a triangle that runs to the left, seen along the light.
@@ -91,25 +102,30 @@ fn beside(a: vec3f, b: vec3f, d: vec3f) -> vec2f {
     return vec2f(edge.y * a.x - edge.x * a.y, edge.x * d.y - edge.y * d.x);
 }
 
-// The part of a ray that lies in a triangle's shadow, of the ray as a line; empty when it begins behind its end. Written out:
-// some drivers count the turns of all loops of a shader and end them at 65 535.
-fn shadow_of(triangle: u32, origin: vec3f, direction: vec3f) -> vec2f {
+// Written out: some drivers count the turns of all loops of a shader and end them at 65 535.
+fn shadow_of(triangle: u32, origin: vec3f, direction: vec3f) -> Shadow {
     let size = textureDimensions(caster_corners);
     let at = vec2u(3u * triangle % size.x, 3u * triangle / size.x);
+    var shadow = Shadow(vec2f(-FARTHEST, FARTHEST), vec2u(NO_CASTER));
     if at.y >= size.y {
-        return vec2f(0.0, -1.0);
+        shadow.span = vec2f(0.0, -1.0);
+        return shadow;
     }
+    count_reads(3u);
+    let c0 = textureLoad(caster_corners, at, 0);
+    let c1 = textureLoad(caster_corners, at + vec2u(1u, 0u), 0);
+    let c2 = textureLoad(caster_corners, at + vec2u(2u, 0u), 0);
     let d = axis_parts(direction);
-    let p0 = corner_of_caster(at, 0u, origin);
-    let p1 = corner_of_caster(at, 1u, origin);
-    let p2 = corner_of_caster(at, 2u, origin);
+    let p0 = axis_parts(c0.xyz - origin);
+    let p1 = axis_parts(c1.xyz - origin);
+    let p2 = axis_parts(c2.xyz - origin);
     let normal = cross(p1 - p0, p2 - p0);
     let side = sign(normal.z);
     // Not over the plane, and inside of each edge.
-    var span = bounded(vec2f(-FARTHEST, FARTHEST), side * vec2f(dot(normal, p0), -dot(normal, d)));
-    span = bounded(span, side * beside(p0, p1, d));
-    span = bounded(span, side * beside(p1, p2, d));
-    return bounded(span, side * beside(p2, p0, d));
+    shadow = bounded(shadow, side * vec2f(dot(normal, p0), -dot(normal, d)), 0.0);
+    shadow = bounded(shadow, side * beside(p0, p1, d), c0.w);
+    shadow = bounded(shadow, side * beside(p1, p2, d), c1.w);
+    return bounded(shadow, side * beside(p2, p0, d), c2.w);
 }
 
 // Whether the sun reaches a point of the air: the nearest texel, never an interpolated height, no bias.

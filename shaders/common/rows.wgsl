@@ -216,52 +216,56 @@ const NO_EDGE = -1.0;
 const HOLES = -2.0;
 
 // Where the shadow ends (or begins, unless it is lit behind) that the caster over a dark place of the row throws on the ray
-// itself, if that is near the column's border at t. A caster that goes on where the first one ends is followed.
+// itself, if that is near the column's border at t. From there on casters are followed that throw shadow on: that beyond the
+// edge, or what the maps show a texel farther on.
 fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t: f32, lit_behind: bool) -> f32 {
-    // The row is not quite the ray's own.
-    let apart = abs(slice.row - rows.first - (f32(row) + 0.5) * rows.step);
-    let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u) / slice.sine;
-    let reach = 4.0 * shift + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
     let outward = select(-1.0, 1.0, lit_behind);
     let onward = outward * normalize(axis_parts(run_direction).xy);
     let dark = across_of(rows, (column - 0.5 * outward) / f32(rows.columns));
     // Where to look, and where if that is in vain: at the ray's own azimuth.
     var place = slice_place(rows.first + (f32(row) + 0.5) * rows.step, dark);
     var instead = slice_place(slice.row, dark);
+    var texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+    // The row is not quite the ray's own, and edges may run along it.
+    let apart = abs(slice.row - rows.first - (f32(row) + 0.5) * rows.step);
+    let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u);
+    let blur = (2.0 * texel + 100.0 * shift) / slice.sine;
+    let reach = blur + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
     var edge = NO_EDGE;
-    var within = vec2f(-FARTHEST, FARTHEST);
     var last = NO_CASTER;
+    var beyond = NO_CASTER;
     var tries = 2u;
-    for (var k = 0u; k < 8u && tries > 0u; k++) {
-        tries -= 1u;
-        let caster = caster_at(place);
-        count_reads(1u);
-        place = instead;
-        if caster == CUT_OUT {
-            return select(edge, HOLES, last == NO_CASTER);
+    for (var k = 0u; k < 12u && (tries > 0u || beyond != NO_CASTER); k++) {
+        var caster = beyond;
+        beyond = NO_CASTER;
+        if caster == NO_CASTER {
+            tries -= 1u;
+            caster = caster_at(place);
+            count_reads(1u);
+            place = instead;
+            if caster == CUT_OUT {
+                return select(edge, HOLES, last == NO_CASTER);
+            }
         }
         if caster == NO_CASTER || caster == last {
             continue;
         }
         let shadow = shadow_of(caster, run_origin, run_direction);
-        if shadow.y < max(shadow.x, within.x) || shadow.x > within.y {
+        let ends = select(shadow.span.yx, shadow.span, lit_behind);
+        // It must reach over the edge so far.
+        let over = 1e-6 * abs(edge) + 1e-3 * texel;
+        let goes_on = outward * (ends.y - edge) > 0.0 && outward * (ends.x - edge) < over;
+        if shadow.span.y < shadow.span.x || !select(goes_on, abs(ends.y - t) < reach, last == NO_CASTER) {
             continue;
         }
-        let end = select(shadow.x, shadow.y, lit_behind);
-        if abs(end - t) > reach {
-            if last != NO_CASTER {
-                return NO_EDGE;
-            }
-            continue;
-        }
-        edge = end;
+        edge = ends.y;
         last = caster;
-        // A texel farther on, or nearer the edge: what goes on there may be thin.
+        beyond = select(shadow.beyond.x, shadow.beyond.y, lit_behind);
         place = slice_place(slice.row, slice.start + edge * slice.sine);
-        let texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+        texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+        // What goes on there may be thin.
         instead = place + 0.25 * texel * onward;
         place += 0.75 * texel * onward;
-        within = vec2f(edge) + texel / slice.sine * select(vec2f(-1.0, 0.0), vec2f(0.0, 1.0), lit_behind);
         tries = 2u;
     }
     return edge;

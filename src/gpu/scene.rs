@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::medium::{Fog, Phase, Shape};
 use crate::scene::{Geometry, Ray, Wrap};
 use glam::{DVec3, UVec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use wgpu::{Buffer, BufferUsages};
 
 /// Which triangles are drawn, and in which order: the solid ones first.
@@ -78,12 +78,22 @@ impl Triangles {
             .collect()
     }
 
-    /// Corners relative to the eye [m], three texels a triangle, in rows of [`CORNERS`].
+    /// Corners relative to the eye [m], three texels a triangle, in rows of [`CORNERS`]; each with the number, from 1, of the
+    /// triangle beyond the edge that begins there, 0 for none.
     pub fn corner_texture(&self, device: &Device, conditions: &Conditions) -> wgpu::Texture {
         let eye = conditions.camera.eye;
         let corners = self.corners(conditions);
-        let corners = corners.iter().map(|p| (*p - eye).as_vec3().extend(0.0));
-        device.vectors("corners of casters", CORNERS, corners.collect())
+        let beyond = beyond_edges(&corners[..3 * self.solid as usize]);
+        // Whole numbers up to 2^24 are exact; the others' edges end at nothing.
+        let number = |corner: usize| match beyond.get(corner) {
+            Some(Some(triangle)) if *triangle < 1 << 24 => (triangle + 1) as f32,
+            _ => 0.0,
+        };
+        let texels = corners
+            .iter()
+            .enumerate()
+            .map(|(i, p)| (*p - eye).as_vec3().extend(number(i)));
+        device.vectors("corners of casters", CORNERS, texels.collect())
     }
 
     /// Corners of all of them [m], scene axes.
@@ -95,6 +105,27 @@ impl Triangles {
             .map(|v| mesh.positions[v as usize])
             .collect()
     }
+}
+
+/// For each edge of triangles, that from corner i to the next one of its triangle, the triangle on its other side; where more
+/// than two meet, the next of them in turn.
+fn beyond_edges(corners: &[DVec3]) -> Vec<Option<u32>> {
+    let bits = |p: DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    let mut beyond = vec![None; corners.len()];
+    // The first and the last edge between two places so far.
+    let mut met: HashMap<[[u64; 3]; 2], [usize; 2]> = HashMap::with_capacity(corners.len());
+    for i in 0..corners.len() {
+        let next = if i % 3 == 2 { i - 2 } else { i + 1 };
+        let mut ends = [bits(corners[i]), bits(corners[next])];
+        ends.sort_unstable();
+        let [first, last] = met.entry(ends).or_insert([i, i]);
+        if *last != i {
+            beyond[*last] = Some((i / 3) as u32);
+            beyond[i] = Some((*first / 3) as u32);
+            *last = i;
+        }
+    }
+    beyond
 }
 
 /// Buffers made when a pass first names them.
