@@ -252,8 +252,8 @@ fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t
         }
         let shadow = shadow_of(caster, run_origin, run_direction);
         let ends = select(shadow.span.yx, shadow.span, lit_behind);
-        // It must reach over the edge so far.
-        let over = 1e-6 * abs(edge) + 1e-3 * texel;
+        // It must reach on from the edge so far; maps do not show what would fill less than a texel.
+        let over = 1e-6 * abs(edge) + texel / slice.sine;
         let goes_on = outward * (ends.y - edge) > 0.0 && outward * (ends.x - edge) < over;
         if shadow.span.y < shadow.span.x || !select(goes_on, abs(ends.y - t) < reach, last == NO_CASTER) {
             continue;
