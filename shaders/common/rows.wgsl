@@ -229,7 +229,7 @@ fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t
     // The row is not quite the ray's own, and edges may run along it.
     let apart = abs(slice.row - rows.first - (f32(row) + 0.5) * rows.step);
     let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u);
-    let blur = (2.0 * texel + 100.0 * shift) / slice.sine;
+    let blur = (2.0 * texel + 1000.0 * shift) / slice.sine;
     let reach = blur + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
     var edge = NO_EDGE;
     var last = NO_CASTER;
