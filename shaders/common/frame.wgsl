@@ -64,31 +64,6 @@ const FARTHEST = 1e9;
 @group(0) @binding(1) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(2) var<storage, read> media: array<Medium>;
 
-// Work that is counted when it is asked for: reads of shadow maps and leaves, and of nodes of trees.
-override COUNTING: bool = false;
-@group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>, 2>;
-var<private> reads_here: u32;
-var<private> nodes_here: u32;
-
-fn count_reads(n: u32) {
-    if COUNTING {
-        reads_here += n;
-    }
-}
-
-fn count_nodes(n: u32) {
-    if COUNTING {
-        nodes_here += n;
-    }
-}
-
-fn report_counts() {
-    if COUNTING {
-        atomicAdd(&counts[0], reads_here);
-        atomicAdd(&counts[1], nodes_here);
-    }
-}
-
 fn inside_tile(id: vec3u) -> bool {
     return all(id.xy < frame.extent);
 }

@@ -1,13 +1,16 @@
 //! From a pass as data to pipelines and bind group layouts.
 
 use super::device::Device;
-use super::shared::COMMON;
+use super::shared::common;
 use crate::effect::{Kind, Pass, Resource};
 use wgpu::*;
 
+/// Storage buffers that a pass sees at most while reads are counted: one more than every device takes.
+pub const BUFFERS_COUNTING: u32 = 9;
+
 /// Layouts that all passes share, and what was compiled.
 pub struct Pipelines {
-    /// Frame, rays, media.
+    /// Frame, rays, media, and counts if anything is counted.
     pub common: BindGroupLayout,
     /// A light alone: to draw its maps.
     pub light: BindGroupLayout,
@@ -48,6 +51,49 @@ fn buffer(ty: BufferBindingType) -> BindingType {
 const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
 const WRITE: BufferBindingType = BufferBindingType::Storage { read_only: false };
 
+const ALL: ShaderStages = ShaderStages::VERTEX_FRAGMENT.union(ShaderStages::COMPUTE);
+
+/// What every pass sees.
+fn common_entries(counting: bool) -> Vec<BindGroupLayoutEntry> {
+    let mut entries = vec![
+        entry(0, ALL, buffer(BufferBindingType::Uniform)),
+        entry(1, ShaderStages::COMPUTE, buffer(READ)),
+        entry(2, ShaderStages::COMPUTE, buffer(READ)),
+    ];
+    if counting {
+        entries.push(entry(3, ShaderStages::COMPUTE, buffer(WRITE)));
+    }
+    entries
+}
+
+/// What a pass uses.
+fn own_entries(pass: &Pass) -> Vec<BindGroupLayoutEntry> {
+    let stages = match pass.kind {
+        Kind::Picture | Kind::SunMaps => ShaderStages::VERTEX_FRAGMENT,
+        _ => ShaderStages::COMPUTE,
+    };
+    let of = |(resource, binding): (&Resource, u32)| {
+        let ty = match resource {
+            Resource::Update(_) | Resource::Each => buffer(WRITE),
+            Resource::Numbers => BindingType::Texture {
+                sample_type: TextureSampleType::Uint,
+                view_dimension: TextureViewDimension::D2,
+                multisampled: false,
+            },
+            _ => buffer(READ),
+        };
+        entry(binding, stages, ty)
+    };
+    pass.uses.iter().zip(0..).map(of).collect()
+}
+
+/// What a pass leaves for later ones.
+fn scratch_entries(pass: &Pass) -> Vec<BindGroupLayoutEntry> {
+    (0..pass.scratch.len() as u32)
+        .map(|binding| entry(binding, ShaderStages::COMPUTE, buffer(WRITE)))
+        .collect()
+}
+
 impl Pipelines {
     pub fn new(device: &Device, counting: bool) -> Self {
         let layout = |label, entries: &[BindGroupLayoutEntry]| {
@@ -58,7 +104,6 @@ impl Pipelines {
                     entries,
                 })
         };
-        let all = ShaderStages::all() & (ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE);
         let uniform = buffer(BufferBindingType::Uniform);
         let maps = BindingType::Texture {
             sample_type: TextureSampleType::Depth,
@@ -76,20 +121,12 @@ impl Pipelines {
             multisampled: false,
         };
         Pipelines {
-            common: layout(
-                "frame, rays, media, counts",
-                &[
-                    entry(0, all, uniform),
-                    entry(1, ShaderStages::COMPUTE, buffer(READ)),
-                    entry(2, ShaderStages::COMPUTE, buffer(READ)),
-                    entry(3, ShaderStages::COMPUTE, buffer(WRITE)),
-                ],
-            ),
-            light: layout("light", &[entry(0, all, uniform)]),
+            common: layout("frame, rays, media, counts", &common_entries(counting)),
+            light: layout("light", &[entry(0, ALL, uniform)]),
             lit: layout(
                 "light and maps",
                 &[
-                    entry(0, all, uniform),
+                    entry(0, ALL, uniform),
                     entry(1, ShaderStages::COMPUTE, maps),
                     entry(2, ShaderStages::COMPUTE, casters),
                     entry(3, ShaderStages::COMPUTE, corners),
@@ -102,40 +139,17 @@ impl Pipelines {
 
     /// The layout of a pass's own bind group.
     pub fn own(&self, device: &Device, pass: &Pass) -> BindGroupLayout {
-        let stages = match pass.kind {
-            Kind::Picture | Kind::SunMaps => ShaderStages::VERTEX_FRAGMENT,
-            _ => ShaderStages::COMPUTE,
-        };
-        let entries: Vec<_> = pass
-            .uses
-            .iter()
-            .zip(0..)
-            .map(|(resource, binding)| {
-                let ty = match resource {
-                    Resource::Update(_) | Resource::Each => buffer(WRITE),
-                    Resource::Numbers => BindingType::Texture {
-                        sample_type: TextureSampleType::Uint,
-                        view_dimension: TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                    _ => buffer(READ),
-                };
-                entry(binding, stages, ty)
-            })
-            .collect();
         device
             .device
             .create_bind_group_layout(&BindGroupLayoutDescriptor {
                 label: Some(pass.entry),
-                entries: &entries,
+                entries: &own_entries(pass),
             })
     }
 
     /// The layout of what a pass leaves for later ones, if that is anything.
     pub fn scratch(&self, device: &Device, pass: &Pass) -> Option<BindGroupLayout> {
-        let entries: Vec<_> = (0..pass.scratch.len() as u32)
-            .map(|binding| entry(binding, ShaderStages::COMPUTE, buffer(WRITE)))
-            .collect();
+        let entries = scratch_entries(pass);
         (!entries.is_empty()).then(|| {
             device
                 .device
@@ -147,7 +161,7 @@ impl Pipelines {
     }
 
     fn module(&self, device: &Device, label: &str, pass: &Pass) -> ShaderModule {
-        let source = format!("{COMMON}{}", pass.shader);
+        let source = common(self.counting) + pass.shader;
         device.device.create_shader_module(ShaderModuleDescriptor {
             label: Some(label),
             source: ShaderSource::Wgsl(source.into()),
@@ -195,10 +209,7 @@ impl Pipelines {
                 layout: Some(&self.layout(device, &label, pass, own)),
                 module: &self.module(device, &label, pass),
                 entry_point: Some(pass.entry),
-                compilation_options: PipelineCompilationOptions {
-                    constants: &[("COUNTING", f64::from(u8::from(self.counting)))],
-                    ..Default::default()
-                },
+                compilation_options: Default::default(),
                 cache: None,
             });
         self.compiled.push(label);
@@ -270,5 +281,49 @@ impl Pipelines {
             solid: pipeline(""),
             cut_out: holes.then(|| pipeline("_cut")),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect;
+
+    /// The most storage buffers that a stage of any pass sees at once.
+    fn most_storage_buffers(counting: bool) -> u32 {
+        let all = effect::ALL.iter().flat_map(|effect| effect.passes);
+        let seen = all.flat_map(|pass| {
+            let own = [own_entries(pass), scratch_entries(pass)];
+            let entries = [common_entries(counting), own.concat()].concat();
+            let is_storage = |entry: &&BindGroupLayoutEntry| {
+                matches!(
+                    entry.ty,
+                    BindingType::Buffer {
+                        ty: BufferBindingType::Storage { .. },
+                        ..
+                    }
+                )
+            };
+            [
+                ShaderStages::COMPUTE,
+                ShaderStages::VERTEX,
+                ShaderStages::FRAGMENT,
+            ]
+            .map(|stage| {
+                let storage = entries.iter().filter(is_storage);
+                storage.filter(|e| e.visibility.contains(stage)).count() as u32
+            })
+        });
+        seen.max().unwrap_or(0)
+    }
+
+    #[test]
+    fn no_pass_binds_more_storage_buffers_than_every_device_takes() {
+        // That of core WebGPU.
+        let guaranteed = Limits::default().max_storage_buffers_per_shader_stage;
+        assert_eq!(guaranteed, 8);
+        assert!(most_storage_buffers(false) <= guaranteed);
+        let counting = most_storage_buffers(true);
+        assert!(counting > guaranteed && counting <= BUFFERS_COUNTING);
     }
 }

@@ -8,7 +8,7 @@ mod view;
 
 use super::device::{Device, Traffic};
 use super::light::{self, Resolution, Split};
-use super::pipeline::{Pipelines, Raster};
+use super::pipeline::{BUFFERS_COUNTING, Pipelines, Raster};
 use super::scene::{Plane, SceneBuffers, Triangles, media};
 use super::shared;
 use super::timer::Timer;
@@ -150,8 +150,8 @@ pub struct Gpu<'a> {
     maps: Option<SunMaps>,
     staging: Buffer,
     timer: Timer,
-    counts: Buffer,
-    counting: bool,
+    /// Where shaders count what they read, if they do.
+    counts: Option<Buffer>,
 }
 
 impl<'a> Gpu<'a> {
@@ -164,16 +164,27 @@ impl<'a> Gpu<'a> {
         Self::prepared(plan, device, false)
     }
 
-    /// The same with shaders that count what they read ([`PassTime::counted`]); times of such a rendering mean nothing.
+    /// The same with shaders that count what they read ([`PassTime::counted`]); times of such a rendering mean nothing. Takes
+    /// one storage buffer more than every device has.
     ///
     /// # Errors
-    /// Those of [`Gpu::new`].
+    /// Those of [`Gpu::new`]; [`Error::Failed`] on a device that has too few storage buffers.
     pub fn counting(plan: &'a Plan<'a>, device: Device) -> Result<Self> {
         Self::prepared(plan, device, true)
     }
 
     fn prepared(plan: &'a Plan<'a>, device: Device, counting: bool) -> Result<Self> {
         let conditions = plan.conditions;
+        let buffers = device.limits().max_storage_buffers_per_shader_stage;
+        if counting && buffers < BUFFERS_COUNTING {
+            return Err(Error::failed(
+                format!(
+                    "counting what shaders read takes {BUFFERS_COUNTING} storage buffers, and {} takes {buffers} at once",
+                    device.adapter.name
+                ),
+                "use another adapter: `tyndall doctor` lists them",
+            ));
+        }
         let mut pipelines = Pipelines::new(&device, counting);
         let triangles = Triangles::new(conditions);
         let mut scene = SceneBuffers::default();
@@ -198,19 +209,22 @@ impl<'a> Gpu<'a> {
             air.push(shared::Medium::default());
         }
         let air = device.filled("the media", &shared::list(&air), BufferUsages::STORAGE)?;
-        let counts = device.buffer(
-            "counts",
-            8,
-            BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-        )?;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let counts = match counting {
+            true => Some(device.buffer("counts", 8, storage)?),
+            false => None,
+        };
         let common = device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("frame, rays, media, counts"),
             layout: &pipelines.common,
-            entries: &[&frame, &rays, &air, &counts]
-                .map(|b| b.as_entire_binding())
+            entries: &[&frame, &rays, &air]
                 .into_iter()
+                .chain(&counts)
                 .zip(0..)
-                .map(|(resource, binding)| BindGroupEntry { binding, resource })
+                .map(|(buffer, binding)| BindGroupEntry {
+                    binding,
+                    resource: buffer.as_entire_binding(),
+                })
                 .collect::<Vec<_>>(),
         });
         let usage = TextureUsages::RENDER_ATTACHMENT
@@ -237,11 +251,7 @@ impl<'a> Gpu<'a> {
             };
             fields.push(Target {
                 field: *field,
-                buffer: device.buffer(
-                    field.name(),
-                    bytes,
-                    BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-                )?,
+                buffer: device.buffer(field.name(), bytes, storage)?,
                 bytes,
             });
         }
@@ -301,7 +311,6 @@ impl<'a> Gpu<'a> {
             staging,
             timer,
             counts,
-            counting,
             device,
         })
     }
@@ -428,7 +437,7 @@ impl<'a> Gpu<'a> {
                 pass: stage.pass,
                 on_cpu,
                 runs: stage.runs,
-                counted: (self.counting && !on_cpu).then_some(stage.counted),
+                counted: (self.counts.is_some() && !on_cpu).then_some(stage.counted),
                 time: if on_cpu {
                     Some(stage.on_cpu)
                 } else {

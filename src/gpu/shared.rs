@@ -4,14 +4,27 @@
 use encase::{ShaderType, internal::WriteInto};
 use glam::{Mat3, UVec2, Vec2, Vec3, Vec4};
 
-/// What is read before every shader.
-pub const COMMON: &str = concat!(
+/// What is read before every shader, whether it counts its reads or not.
+const COMMON: &str = concat!(
     include_str!("../../shaders/common/frame.wgsl"),
     include_str!("../../shaders/common/light.wgsl"),
     include_str!("../../shaders/common/media.wgsl"),
     include_str!("../../shaders/common/runs.wgsl"),
     include_str!("../../shaders/common/rows.wgsl"),
 );
+
+/// Shaders call these everywhere; where nothing is counted there is no buffer for it.
+const NO_COUNTS: &str =
+    "fn count_reads(n: u32) {}\nfn count_nodes(n: u32) {}\nfn report_counts() {}\n";
+
+/// What is read before every shader.
+pub fn common(counting: bool) -> String {
+    let counts = match counting {
+        true => include_str!("../../shaders/common/counts.wgsl"),
+        false => NO_COUNTS,
+    };
+    format!("{COMMON}{counts}")
+}
 
 /// The most partitions that a light has.
 pub const PARTITIONS: usize = 16;
@@ -171,8 +184,9 @@ mod tests {
 
     #[test]
     fn structs_lie_alike_on_both_sides() {
+        let common = common(false);
         assert!(same!(
-            COMMON,
+            &common,
             Frame {
                 tile,
                 extent,
@@ -193,7 +207,7 @@ mod tests {
             }
         ));
         assert!(same!(
-            COMMON,
+            &common,
             Attributes {
                 normal,
                 u,
@@ -202,7 +216,7 @@ mod tests {
             }
         ));
         assert!(same!(
-            COMMON,
+            &common,
             Material {
                 color,
                 least_alpha,
@@ -212,7 +226,7 @@ mod tests {
             }
         ));
         assert!(same!(
-            COMMON,
+            &common,
             Surface {
                 normal,
                 distance,
@@ -222,7 +236,7 @@ mod tests {
             }
         ));
         assert!(same!(
-            COMMON,
+            &common,
             Medium {
                 scattering,
                 shape,
@@ -241,9 +255,9 @@ mod tests {
                 weight
             }
         ));
-        assert!(same!(COMMON, PartitionMap { least, texel, size }));
+        assert!(same!(&common, PartitionMap { least, texel, size }));
         assert!(same!(
-            COMMON,
+            &common,
             Light {
                 toward,
                 partitions,
@@ -257,8 +271,8 @@ mod tests {
                 maps
             }
         ));
-        let moved = COMMON.replace("depth: f32,\n", "depth: mat4x4f,\n");
-        assert_ne!(moved, COMMON);
+        let moved = common.replace("depth: f32,\n", "depth: mat4x4f,\n");
+        assert_ne!(moved, common);
         assert!(!same!(
             &moved,
             Frame {

@@ -50,22 +50,23 @@ impl Gpu<'_> {
                     &groups,
                     over,
                 )?;
-                if self.counting {
-                    self.take_counts(index)?;
-                }
+                self.take_counts(index)?;
             }
         }
         Ok(())
     }
 
-    /// Adds what the last pass counted to its stage.
+    /// Adds what the last pass counted to its stage, if it did.
     fn take_counts(&mut self, index: usize) -> Result<()> {
+        let Some(counts) = &self.counts else {
+            return Ok(());
+        };
         let mut encoder = self
             .device
             .device
             .create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(&self.counts, 0, &self.staging, 0, 8);
-        encoder.clear_buffer(&self.counts, 0, None);
+        encoder.copy_buffer_to_buffer(counts, 0, &self.staging, 0, 8);
+        encoder.clear_buffer(counts, 0, None);
         self.device.queue.submit([encoder.finish()]);
         let bytes = self.device.read(&self.staging, 8)?;
         for (sum, word) in self.stages[index].counted.iter_mut().zip(0..) {
