@@ -4,8 +4,13 @@
 // The numbers of rows, of columns, of slices, of samples a slice; the tolerance; halvings of each border.
 @group(1) @binding(1) var<storage, read> knobs: array<f32>;
 @group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
-// Light [1/sr] and where the air that it comes from ends: at a surface (positive) or not (negative); 0 off the tile.
+// Light [1/sr], negative until it is known, and where the air that it comes from ends: at a surface (positive) or not
+// (negative); 0 off the tile.
 @group(3) @binding(2) var<storage, read_write> samples: array<vec4f>;
+
+fn is_known(sample: vec4f) -> bool {
+    return sample.x >= 0.0;
+}
 
 fn sample_index(slice: u32, number: u32) -> u32 {
     return slice * (u32(knobs[3]) + 1u) + number;
@@ -92,7 +97,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
         let span = shaded_span(vec3f(0.0), sample.direction, surface);
         end = select(0.0, end_of(span, surface), span.shaded.y > span.shaded.x);
     }
-    samples[sample_index(id.y, id.x)] = vec4f(0.0, 0.0, 0.0, end);
+    samples[sample_index(id.y, id.x)] = vec4f(vec3f(-1.0), end);
     if id.x == 0u {
         samples[sample_index(id.y, u32(knobs[3]))] = vec4f(0.0);
     }
@@ -114,80 +119,85 @@ fn sample_light(rows: Rows, slice_number: u32, number: u32) -> vec3f {
     return scattered_in_row(vec3f(0.0), sample.direction, sample.slice, span, rows, row, u32(knobs[5]));
 }
 
+// Every sixteenth sample. Neighbouring invocations are neighbours across slices, here and below: at the same angle they do much
+// the same.
 @compute @workgroup_size(8, 8)
 fn seed(@builtin(global_invocation_id) id: vec3u) {
-    if 16u * id.x >= u32(knobs[3]) || id.y >= u32(knobs[2]) || !is_asked() {
+    let number = 16u * id.y;
+    if id.x >= u32(knobs[2]) || number >= u32(knobs[3]) || !is_asked() {
         return;
     }
     let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
-    let at = sample_index(id.y, 16u * id.x);
-    samples[at] = vec4f(sample_light(rows, id.y, 16u * id.x), samples[at].w);
+    let at = sample_index(id.x, number);
+    samples[at] = vec4f(sample_light(rows, id.x, number), samples[at].w);
     report_counts();
 }
 
-// Fills the samples between two seeds.
-@compute @workgroup_size(8, 8)
-fn refine(@builtin(global_invocation_id) id: vec3u) {
-    if 16u * id.x >= u32(knobs[3]) || id.y >= u32(knobs[2]) || !is_asked() {
+// Whether depth goes on without a break at a sample: its disparity lies straight between its neighbours', of the same kind.
+fn goes_on(at: u32) -> bool {
+    let ends = vec3f(samples[at - 1u].w, samples[at].w, samples[at + 1u].w);
+    let q = 1.0 / ends;
+    count_reads(1u);
+    return ends.x * ends.y > 0.0 && ends.y * ends.z > 0.0 && abs(q.x - 2.0 * q.y + q.z) <= 0.02 * abs(q.y);
+}
+
+// Between two samples, `size` apart, whose light is known: integrates the middle one, and interpolates all others if they lie
+// straight. One sample an invocation, since some drivers count the turns of all loops of a shader and end them at 65 535.
+fn refine(slice: u32, interval: u32, size: u32) {
+    let number = interval * size;
+    if slice >= u32(knobs[2]) || number >= u32(knobs[3]) || !is_asked() {
+        return;
+    }
+    let first = sample_index(slice, number);
+    let last = first + size;
+    let half = size / 2u;
+    count_reads(1u);
+    if is_known(samples[first + half]) {
+        report_counts();
         return;
     }
     let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
-    let first = sample_index(id.y, 16u * id.x);
-    // Samples whose neighbours on both sides do not lie straight with them in disparity, and those off the tile.
-    var broken = 0u;
-    var ends: array<f32, 17>;
-    for (var k = 0u; k < 17u; k++) {
-        ends[k] = samples[first + k].w;
-    }
-    count_reads(17u);
-    var any_inside = false;
-    for (var k = 1u; k < 16u; k++) {
-        let q = vec3f(1.0 / ends[k - 1u], 1.0 / ends[k], 1.0 / ends[k + 1u]);
-        let same = ends[k - 1u] * ends[k] > 0.0 && ends[k] * ends[k + 1u] > 0.0;
-        let straight = abs(q.x - 2.0 * q.y + q.z) <= 0.02 * abs(q.y);
-        broken |= select(1u << k, 0u, same && straight);
-        any_inside = any_inside || ends[k] != 0.0;
-    }
-    if !any_inside {
-        return;
-    }
-    // Intervals still to be looked at, as begin and length; the last one in is the first one out.
-    var waiting: array<vec2u, 6>;
-    waiting[0] = vec2u(0u, 16u);
-    var count = 1u;
-    while count > 0u {
-        count -= 1u;
-        let begin = waiting[count].x;
-        let size = waiting[count].y;
-        let half = size / 2u;
-        let middle = begin + half;
-        let light_here = sample_light(rows, id.y, 16u * id.x + middle);
-        samples[first + middle] = vec4f(light_here, ends[middle]);
-        if size == 2u {
-            continue;
-        }
-        let a = samples[first + begin].xyz;
-        let b = samples[first + begin + size].xyz;
+    let middle = sample_light(rows, slice, number + half);
+    samples[first + half] = vec4f(middle, samples[first + half].w);
+    if size > 2u {
+        let a = samples[first];
+        let b = samples[last];
         count_reads(2u);
-        let whole = ((1u << (begin + size)) - 1u) & ~((2u << begin) - 1u);
-        let off = abs(light_here - 0.5 * (a + b));
-        let most = knobs[4] * max(light_here, max(a, b));
-        let inside = ends[begin] != 0.0 && ends[begin + size] != 0.0;
-        if (broken & whole) == 0u && inside && all(off <= most) {
-            for (var k = 1u; k < size; k++) {
-                if k != half {
-                    let share = f32(k % half) / f32(half);
-                    let between = select(mix(light_here, b, share), mix(a, light_here, share), k < half);
-                    samples[first + begin + k] = vec4f(between, ends[begin + k]);
-                }
-            }
-            continue;
+        let off = abs(middle - 0.5 * (a.xyz + b.xyz));
+        let most = knobs[4] * max(middle, max(a.xyz, b.xyz));
+        var straight = a.w != 0.0 && b.w != 0.0 && all(off <= most);
+        for (var at = first + 1u; at < last && straight; at++) {
+            straight = goes_on(at);
         }
-        waiting[count] = vec2u(begin, half);
-        waiting[count + 1u] = vec2u(middle, half);
-        count += 2u;
+        for (var k = 1u; k < size && straight; k++) {
+            if k != half {
+                let share = f32(k % half) / f32(half);
+                let between = select(mix(middle, b.xyz, share), mix(a.xyz, middle, share), k < half);
+                samples[first + k] = vec4f(between, samples[first + k].w);
+            }
+        }
     }
     report_counts();
+}
+
+@compute @workgroup_size(8, 8)
+fn refine_16(@builtin(global_invocation_id) id: vec3u) {
+    refine(id.x, id.y, 16u);
+}
+
+@compute @workgroup_size(8, 8)
+fn refine_8(@builtin(global_invocation_id) id: vec3u) {
+    refine(id.x, id.y, 8u);
+}
+
+@compute @workgroup_size(8, 8)
+fn refine_4(@builtin(global_invocation_id) id: vec3u) {
+    refine(id.x, id.y, 4u);
+}
+
+@compute @workgroup_size(8, 8)
+fn refine_2(@builtin(global_invocation_id) id: vec3u) {
+    refine(id.x, id.y, 2u);
 }
 
 @compute @workgroup_size(8, 8)

@@ -6,7 +6,7 @@
 //! which are even steps of angle within a factor of two, wherever the sun stands. Every sixteenth sample is integrated exactly
 //! as [`super::shafts_rectified`] does it. Between two of them the middle one is integrated as well, and the rest is
 //! interpolated only where depth goes on without a break (its disparity is straight) and the middle is within `tolerance` of the
-//! straight line; else both halves are asked again, down to single samples. Depth alone, which older systems ask, misses
+//! straight line; else both halves are asked again by the next pass, down to single samples. Depth alone, which older systems ask, misses
 //! the borders of shadows that no surface shows.
 //!
 //! A pixel then blends the samples of two slices around it that lie at about its own depth. Where there are none it is
@@ -63,36 +63,11 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
             uses: USES,
             scratch: SCRATCH,
         },
-        Pass {
-            shader: SHADER,
-            entry: "seed",
-            kind: Kind::EachSun(
-                "suns",
-                Over::Groups(|settings| {
-                    [
-                        (samples(settings) / 16).div_ceil(8),
-                        slices(settings).div_ceil(8),
-                    ]
-                }),
-            ),
-            uses: USES,
-            scratch: SCRATCH,
-        },
-        Pass {
-            shader: SHADER,
-            entry: "refine",
-            kind: Kind::EachSun(
-                "suns",
-                Over::Groups(|settings| {
-                    [
-                        (samples(settings) / 16).div_ceil(8),
-                        slices(settings).div_ceil(8),
-                    ]
-                }),
-            ),
-            uses: USES,
-            scratch: SCRATCH,
-        },
+        over_samples("seed", |settings| groups(settings, 16)),
+        over_samples("refine_16", |settings| groups(settings, 16)),
+        over_samples("refine_8", |settings| groups(settings, 8)),
+        over_samples("refine_4", |settings| groups(settings, 4)),
+        over_samples("refine_2", |settings| groups(settings, 2)),
         Pass {
             shader: SHADER,
             entry: "unwarp",
@@ -112,6 +87,22 @@ fn slices(settings: &Settings<'_>) -> u32 {
 /// Samples of a slice: whole sixteens.
 fn samples(settings: &Settings<'_>) -> u32 {
     (settings.get("samples") as u32).next_multiple_of(16)
+}
+
+/// Workgroups of 8 by 8 that cover all slices and the samples of each that are so far `apart`.
+fn groups(settings: &Settings<'_>, apart: u32) -> [u32; 2] {
+    [slices(settings), samples(settings) / apart].map(|count| count.div_ceil(8))
+}
+
+/// A pass over samples.
+const fn over_samples(entry: &'static str, groups: fn(&Settings<'_>) -> [u32; 2]) -> Pass {
+    Pass {
+        shader: SHADER,
+        entry,
+        kind: Kind::EachSun("suns", Over::Groups(groups)),
+        uses: USES,
+        scratch: SCRATCH,
+    }
 }
 
 const USES: &[Resource] = &[

@@ -33,6 +33,33 @@ pub fn view(triangles: &[Corners], sun: [f64; 2], air: Medium, camera: Camera) -
     }
 }
 
+/// A fence along the view, 24 m of it: pickets every `period` [m] that leave open a share of it.
+pub fn fence(period: f64, share: f64) -> View {
+    let picket = |i: u32| {
+        quad(
+            DVec3::new(6.0, -20.0, 2.0 - period * f64::from(i)),
+            DVec3::Y * 50.0,
+            DVec3::NEG_Z * (period * (1.0 - share)),
+        )
+    };
+    let triangles: Vec<Corners> = (0..(24.0 / period) as u32).flat_map(picket).collect();
+    let camera = Camera::look_at(
+        DVec3::new(0.0, 2.0, 0.0),
+        DVec3::new(0.1, 2.0, -10.0),
+        40f64.to_radians(),
+    );
+    let shape = Shape::Box {
+        min: DVec3::new(-4.0, 0.0, -16.0),
+        max: DVec3::new(4.0, 4.0, -2.0),
+    };
+    view(
+        &triangles,
+        [80.0, 30.0],
+        fog(shape, 0.01, 0.0, HAZY),
+        camera,
+    )
+}
+
 /// The same without anything that casts a shadow.
 pub fn open(conditions: &Conditions) -> Conditions {
     let sun = [conditions.sun_azimuth_deg(), conditions.sun_elevation_deg()];
