@@ -4,8 +4,8 @@
 // The numbers of rows, of columns, of slices, of samples a slice; the tolerance; halvings of each border.
 @group(1) @binding(1) var<storage, read> knobs: array<f32>;
 @group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
-// Light [1/sr], negative until it is known, and where the air that it comes from ends: at a surface (positive) or not
-// (negative); 0 off the tile.
+// Light [1/sr], negative until it is known, and the depth of the air that it comes from, which ends at a surface (positive) or
+// not (negative); 0 off the tile.
 @group(3) @binding(2) var<storage, read_write> samples: array<vec4f>;
 
 fn is_known(sample: vec4f) -> bool {
@@ -16,13 +16,14 @@ fn sample_index(slice: u32, number: u32) -> u32 {
     return slice * (u32(knobs[3]) + 1u) + number;
 }
 
-// Where the air of a ray ends, with the sign that samples have. Ground that the air lies on ends it too, whichever of the two
+// How deep the air of a ray is, with the sign that samples have. Ground that the air lies on ends it too, whichever of the two
 // rounding puts first.
 fn end_of(span: Span, surface: Surface) -> f32 {
-    return select(-span.air.y, span.air.y, surface.distance <= 1.0001 * span.air.y);
+    let depth = span.air.y - span.air.x;
+    return select(-depth, depth, surface.distance <= 1.0001 * span.air.y);
 }
 
-// How much a sample that ends elsewhere says of a ray: 1 at the same place, 0 a tenth away or of another kind.
+// How much a sample whose air ends elsewhere says of a ray: 1 at the same depth, 0 a tenth off or of another kind.
 fn likeness(end: f32, other: f32) -> f32 {
     let apart = abs(other - end) / max(min(abs(end), abs(other)), 1e-30);
     return select(0.0, clamp(1.0 - 10.0 * apart, 0.0, 1.0), end * other > 0.0);
@@ -37,36 +38,61 @@ fn sample_row(rows: Rows, slice: u32) -> f32 {
     return rows.first + (f32(slice) + 0.5) * rows.step * f32(rows.count) / knobs[2];
 }
 
-// A sample's ray, in its slice at its own angle.
+// A sample's ray, in its slice at its own c.
 struct Sample {
     slice: Slice,
+    origin: vec3f,
     direction: vec3f,
+}
+
+fn from_axis_parts(p: vec3f) -> vec3f {
+    return p.x * light.across.xyz + p.y * light.along.xyz + p.z * light.height.xyz;
 }
 
 fn sample_of(rows: Rows, slice_number: u32, number: u32) -> Sample {
     var found: Sample;
     let c = sample_c(rows, number);
+    let row = sample_row(rows, slice_number);
+    let e = reference_across();
+    if frame.projection == 1u {
+        // Row and c are coordinates on the camera's plane, along axes at right angles, wherever the sun stands.
+        found.direction = rays[0].xyz;
+        let d = axis_parts(found.direction);
+        found.origin = from_axis_parts(vec3f(row * vec2f(-e.y, e.x) - c * d.z * e, c * length(d.xy)));
+        found.slice = slice_of(found.origin, found.direction);
+        return found;
+    }
     let size = length(vec2f(1.0 - abs(c), c));
-    found.slice.row = sample_row(rows, slice_number);
+    found.slice.row = row;
     found.slice.sine = (1.0 - abs(c)) / size;
     found.slice.cosine = c / size;
     found.slice.c = c;
-    let e = reference_across();
-    let turn = vec2f(cos(found.slice.row), sin(found.slice.row));
+    let turn = vec2f(cos(row), sin(row));
     let across = found.slice.sine * vec2f(turn.x * e.x - turn.y * e.y, turn.x * e.y + turn.y * e.x);
-    found.direction = across.x * light.across.xyz + across.y * light.along.xyz + found.slice.cosine * light.height.xyz;
+    found.direction = from_axis_parts(vec3f(across, found.slice.cosine));
     return found;
 }
 
-// The pixel in which a ray lies; far beyond the tile where there is none.
-fn pixel_of(direction: vec3f) -> vec2i {
-    let z = dot(direction, frame.forward);
-    if frame.projection != 0u || z <= 1e-6 {
+// The pixel in which a sample's ray lies; far beyond the tile where there is none.
+fn pixel_of(sample: Sample) -> vec2i {
+    let d = vec3f(dot(sample.direction, frame.right), dot(sample.direction, frame.up), dot(sample.direction, frame.forward));
+    var place = d.xy / d.z;
+    if frame.projection == 1u {
+        place = vec2f(dot(sample.origin, frame.right), dot(sample.origin, frame.up));
+    } else if frame.projection == 2u {
+        const PI = 3.14159265358979;
+        place = vec2f(atan2(d.x, d.z), 2.0 * atan2(d.y, length(d.xz))) / PI;
+    } else if d.z <= 1e-6 {
         return vec2i(-1000000);
     }
-    let clip = frame.project.xz * vec2f(dot(direction, frame.right), dot(direction, frame.up)) / z + frame.project.yw;
     // The projection is that of a whole tile.
-    let at = (0.5 + vec2f(0.5, -0.5) * clip) * frame.tile_size;
+    let clip = frame.project.xz * place + frame.project.yw;
+    var at = (0.5 + vec2f(0.5, -0.5) * clip) * frame.tile_size;
+    if frame.projection == 2u {
+        // Once around is the width of the picture.
+        let width = frame.project.x * frame.tile_size.x;
+        at.x -= width * floor((at.x + f32(frame.tile.x)) / width);
+    }
     return vec2i(floor(clamp(at, vec2f(-1e6), vec2f(1e6))));
 }
 
@@ -79,7 +105,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
     }
     let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
     let sample = sample_of(rows, id.y, id.x);
-    var pixel = pixel_of(sample.direction);
+    var pixel = pixel_of(sample);
     // A pixel beyond the border stands for what its border's pixel shows.
     let inside = vec2i(frame.extent) - 1;
     if all(pixel >= vec2i(-2)) && all(pixel <= inside + 2) {
@@ -90,11 +116,12 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
         let at = vec3u(vec2u(pixel), 0u);
         var surface = surfaces[pixel_index(at)];
         // The sample's ray meets the pixel's surface in its plane, else its distance would go in steps.
-        let ahead = dot(surface.facet, ray_direction(at)) / dot(surface.facet, sample.direction);
-        if surface.number != 0u && ahead > 0.5 && ahead < 2.0 {
-            surface.distance *= ahead;
+        let met = ray_origin(at) + surface.distance * ray_direction(at) - sample.origin;
+        let distance = dot(surface.facet, met) / dot(surface.facet, sample.direction);
+        if surface.number != 0u && distance > 0.5 * surface.distance && distance < 2.0 * surface.distance {
+            surface.distance = distance;
         }
-        let span = shaded_span(vec3f(0.0), sample.direction, surface);
+        let span = shaded_span(sample.origin, sample.direction, surface);
         end = select(0.0, end_of(span, surface), span.shaded.y > span.shaded.x);
     }
     samples[sample_index(id.y, id.x)] = vec4f(vec3f(-1.0), end);
@@ -113,10 +140,10 @@ fn sample_light(rows: Rows, slice_number: u32, number: u32) -> vec3f {
     let sample = sample_of(rows, slice_number, number);
     var surface: Surface;
     surface.number = select(0u, 2u, end > 0.0);
-    surface.distance = select(NO_HIT, abs(end), end > 0.0);
-    let span = shaded_span(vec3f(0.0), sample.direction, surface);
+    surface.distance = select(NO_HIT, air_span(sample.origin, sample.direction).x + end, end > 0.0);
+    let span = shaded_span(sample.origin, sample.direction, surface);
     let row = min(u32((f32(slice_number) + 0.5) * f32(rows.count) / knobs[2]), rows.count - 1u);
-    return scattered_in_row(vec3f(0.0), sample.direction, sample.slice, span, rows, row, u32(knobs[5]));
+    return scattered_in_row(sample.origin, sample.direction, sample.slice, span, rows, row, u32(knobs[5]));
 }
 
 // Every sixteenth sample. Neighbouring invocations are neighbours across slices, here and below: at the same angle they do much
@@ -133,7 +160,8 @@ fn seed(@builtin(global_invocation_id) id: vec3u) {
     report_counts();
 }
 
-// Whether depth goes on without a break at a sample: its disparity lies straight between its neighbours', of the same kind.
+// Whether the air goes on without a break at a sample: one over its depth lies straight between its neighbours', of the same
+// kind.
 fn goes_on(at: u32) -> bool {
     let ends = vec3f(samples[at - 1u].w, samples[at].w, samples[at + 1u].w);
     let q = 1.0 / ends;
@@ -217,7 +245,7 @@ fn unwarp(@builtin(global_invocation_id) id: vec3u) {
     let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
     let shaded = span.shaded.y > span.shaded.x && !along_light(slice, span.shaded);
     var sum = vec4f(0.0);
-    if shaded && frame.projection == 0u {
+    if shaded {
         let end = end_of(span, surface);
         let line = clamp((slice.row - rows.first) / rows.step * knobs[2] / f32(rows.count) - 0.5, 0.0, knobs[2] - 1.0);
         let place = clamp((slice.c - rows.low) * rows.scale / 65533.0 * knobs[3], 0.0, knobs[3] - 1.0);
@@ -231,7 +259,8 @@ fn unwarp(@builtin(global_invocation_id) id: vec3u) {
         count_reads(4u);
     }
     var scattered = sum.xyz / max(sum.w, 1e-3);
-    if sum.w < 0.1 {
+    // What weighs so little lies to one side of the ray, or is hardly like it.
+    if sum.w < 0.5 {
         let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
         scattered = scattered_in_row(origin, direction, slice, span, rows, row, u32(knobs[5]));
     }

@@ -7,6 +7,7 @@ struct Frame {
     extent: vec2u,
     // Size of a whole tile, which `project` fills [pixels].
     tile_size: vec2f,
+    // Axes of the camera, level ones of a panorama.
     right: vec3f,
     // 0 perspective, 1 orthographic, 2 panorama.
     projection: u32,
@@ -15,7 +16,8 @@ struct Frame {
     forward: vec3f,
     // Whether there is a ground plane.
     grounded: u32,
-    // clip.x = project.x X + project.y W, clip.y = project.z Y + project.w W, in the tile.
+    // clip.x = project.x X + project.y W, clip.y = project.z Y + project.w W, in the tile; in a panorama X is the longitude in
+    // half turns, Y the latitude in quarter turns, W 1.
     project: vec4f,
     // Reflectance of the ground; height of the eye over it.
     ground: vec4f,

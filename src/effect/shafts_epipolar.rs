@@ -5,12 +5,17 @@
 //! across them. Slices are some of the rows of the rectified map ([`super::rows`]); along each lie samples at even steps of c,
 //! which are even steps of angle within a factor of two, wherever the sun stands. Every sixteenth sample is integrated exactly
 //! as [`super::shafts_rectified`] does it. Between two of them the middle one is integrated as well, and the rest is
-//! interpolated only where depth goes on without a break (its disparity is straight) and the middle is within `tolerance` of the
-//! straight line; else both halves are asked again by the next pass, down to single samples. Depth alone, which older systems ask, misses
-//! the borders of shadows that no surface shows.
+//! interpolated only where the air goes on without a break (one over its depth is straight) and the middle is within `tolerance`
+//! of the straight line; else both halves are asked again by the next pass, down to single samples. Depth alone, which older
+//! systems ask, misses the borders of shadows that no surface shows.
 //!
-//! A pixel then blends the samples of two slices around it that lie at about its own depth. Where there are none it is
-//! integrated exactly, and so are all pixels of orthographic and panoramic views.
+//! A pixel then blends the samples of two slices around it whose air is about as deep as its own. Where these weigh less than
+//! half it is integrated exactly.
+//!
+//! Every camera has samples. From the eye or all around it, row and c are a direction, which lies in one pixel at most. On the
+//! plane of an orthographic camera they are coordinates along axes at right angles, wherever the sun stands: rows across the
+//! light's direction on the picture, c along it. Rays so nearly along the light that one place across it decides for all of the
+//! ray need no samples: their pixels read that place.
 
 use super::shafts::{self, Method, SUNS};
 use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, Scratch, Settings, rows};

@@ -79,6 +79,15 @@ impl Camera {
         [right, right.cross(forward), forward]
     }
 
+    /// The axes of a panorama: right and forward are level, up is the zenith.
+    pub fn level_axes(&self) -> [DVec3; 3] {
+        let forward = self.forward.normalize();
+        let forward = DVec3::new(forward.x, 0.0, forward.z)
+            .try_normalize()
+            .unwrap_or(DVec3::NEG_Z);
+        [forward.cross(DVec3::Y), DVec3::Y, forward]
+    }
+
     /// The ray through a position on the picture.
     ///
     /// `position` is in pixels from the upper left corner; pixel (i, j) has its centre at (i + 0.5, j + 0.5).
@@ -104,13 +113,10 @@ impl Camera {
             Projection::Panorama => {
                 let (sin_lon, cos_lon) = (x * std::f64::consts::PI).sin_cos();
                 let (sin_lat, cos_lat) = (y * std::f64::consts::FRAC_PI_2).sin_cos();
-                let ahead = DVec3::new(forward.x, 0.0, forward.z)
-                    .try_normalize()
-                    .unwrap_or(DVec3::NEG_Z);
-                let beside = ahead.cross(DVec3::Y);
+                let [right, up, forward] = self.level_axes();
                 Ray {
                     origin: self.eye,
-                    direction: cos_lat * (cos_lon * ahead + sin_lon * beside) + sin_lat * DVec3::Y,
+                    direction: cos_lat * (cos_lon * forward + sin_lon * right) + sin_lat * up,
                 }
             }
         }

@@ -43,6 +43,18 @@ pub fn render(plan: &Plan) -> Rendered {
     rendered
 }
 
+/// What the passes of a plan's method read, by their names: reads of maps, leaves and samples, and nodes of trees.
+pub fn counted(plan: &Plan) -> Vec<(&'static str, [u64; 2])> {
+    let device = Device::open(Choice::Any).expect("there is an adapter");
+    let mut gpu = Gpu::counting(plan, device).expect("the plan fits the device");
+    let rendered = gpu.render(1 << 30, &|_| {}).expect("the device works");
+    let passes = rendered.passes.iter();
+    passes
+        .filter(|pass| pass.effect.starts_with("shafts_"))
+        .filter_map(|pass| Some((pass.pass, pass.counted?)))
+        .collect()
+}
+
 /// A picture by a method on a device, at the quality `preview`.
 pub fn by_gpu(conditions: &Conditions, method: Method, set: Settings) -> Frame {
     render(&plan(conditions, method, Quality::Preview, set)).frame

@@ -7,18 +7,20 @@ impl Gpu<'_> {
     pub(super) fn frame_of(&self, corner: UVec2, extent: UVec2, offset: DVec2) -> shared::Frame {
         let conditions = self.plan.conditions;
         let camera = &conditions.camera;
-        let [right, up, forward] = camera.axes();
+        let [right, up, forward] = match camera.projection {
+            Projection::Panorama => camera.level_axes(),
+            _ => camera.axes(),
+        };
         let size = UVec2::from(conditions.size).as_dvec2();
         let tile = self.tile.as_dvec2();
         // A position P of the picture is at P - shifted in the tile, whose pixels have their centres at halves.
         let shifted = corner.as_dvec2() + offset - 0.5;
         let middle = 0.5 * size + DVec2::new(-camera.shift.x, camera.shift.y) * size - shifted;
-        let half = match camera.projection {
-            Projection::Perspective { fov_y } => (0.5 * fov_y).tan(),
-            Projection::Orthographic { height } => 0.5 * height,
-            Projection::Panorama => 1.0,
+        let scale = match camera.projection {
+            Projection::Perspective { fov_y } => size.y / (0.5 * fov_y).tan() / tile,
+            Projection::Orthographic { height } => size.y / (0.5 * height) / tile,
+            Projection::Panorama => size / tile,
         };
-        let scale = size.y / half / tile;
         let place = 2.0 * middle / tile;
         let origin = |at: DVec2| {
             let at = corner.as_dvec2() + offset + at;
