@@ -365,7 +365,7 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
             let painted = sky_map::paint(device, &map, &subject.sky, ground)?;
             if let Some(time) = painted.time {
                 let milliseconds = 1e3 * time.as_secs_f64();
-                eprintln!("painted    in {milliseconds:.2} ms by the device's own clock");
+                eprintln!("painted    in {milliseconds:.2} ms on the device");
             }
             painted.texels
         }

@@ -36,7 +36,8 @@ pub enum Kind {
     /// One invocation for each pixel of a tile.
     Pixels,
     /// Once for each point of the sun's disc, whose number is the effect's knob of that name. The shader sees that point and
-    /// its shadow maps in its bind group 2. Such passes of an effect that follow each other run in turns, point by point.
+    /// its shadow maps in its bind group 2. Such passes of all effects run in turns, point by point, after those that find
+    /// surfaces and before all others.
     EachSun(&'static str, Over),
     /// One invocation for each pixel of a tile, once for each of these fields that the plan makes ([`Resource::Each`]).
     EachField(&'static [Field]),

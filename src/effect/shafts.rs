@@ -56,7 +56,7 @@ impl Method {
 pub const SUNS: Knob = Knob {
     name: "suns",
     meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), lit runs for each",
-    values: [1.0, 4.0, 16.0, 16.0],
+    values: [1.0, 4.0, 16.0, 128.0],
     range: [1.0, 4096.0],
 };
 

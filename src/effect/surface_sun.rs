@@ -20,7 +20,7 @@ pub const SURFACE_SUN: Effect = Effect {
     knobs: &[Knob {
         name: "suns",
         meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), one shadow ray each",
-        values: [1.0, 4.0, 16.0, 64.0],
+        values: [1.0, 4.0, 16.0, 128.0],
         range: [1.0, 4096.0],
     }],
     decide: |conditions| {

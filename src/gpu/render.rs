@@ -36,7 +36,7 @@ pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 const TILE: u32 = 512;
 
 /// Shadow maps of several of the sun's points are kept up to this size [bytes].
-const KEPT_MAPS: u64 = 1 << 30;
+const KEPT_MAPS: u64 = 2 << 30;
 
 /// Rays that are handed to a core at once.
 const CHUNK: usize = 256;
@@ -54,7 +54,8 @@ pub struct PassTime {
     pub runs: u32,
     /// Reads of shadow maps and leaves, and of nodes of trees, when they were counted ([`Gpu::counting`]).
     pub counted: Option<[u64; 2]>,
-    /// Its time: the device's own clock, or the CPU's wall clock for what that did; `None` when the device has no clock.
+    /// Its time: the device's own clock, or the CPU's wall clock for what that did, a software adapter too; `None` when the
+    /// device has no clock.
     pub time: Option<Duration>,
 }
 
@@ -118,6 +119,8 @@ struct SunMaps {
     casters: Vec<DVec3>,
     /// The same, relative to the eye, as the shaders read them.
     corners: Texture,
+    /// Where the maps of each point look.
+    fitted: Vec<(SunPoint, shared::Light)>,
     slots: Vec<Slot>,
     runs: u32,
 }
@@ -506,15 +509,11 @@ impl<'a> Gpu<'a> {
             }
         }
         self.device.queue.submit([encoder.finish()]);
-        let mut i = 0;
-        while i < self.stages.len() {
-            let together = self.together(i);
-            if together > 1 || matches!(self.stages[i].work, Work::EachSun(_)) {
-                self.run_each_sun(i..i + together, extent)?;
-            } else if !self.stages[i].finds_surfaces {
+        self.run_each_sun(extent)?;
+        for i in 0..self.stages.len() {
+            if !self.stages[i].finds_surfaces {
                 self.run(i, extent, &rays)?;
             }
-            i += together;
         }
         let fields: Vec<Field> = self.fields.iter().map(|t| t.field).collect();
         self.read(&fields)

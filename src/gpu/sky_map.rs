@@ -113,6 +113,9 @@ pub fn paint(device: &Device, map: &Map, sky: &Sky, ground: DVec3) -> Result<Pai
             }
             pass.dispatch_workgroups(map.width.div_ceil(8), here.div_ceil(8), 1);
         }
+        device.queue.submit([encoder.finish()]);
+        timer.submitted(device)?;
+        let mut encoder = device.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&texels, 0, &read, 0, bytes);
         device.queue.submit([encoder.finish()]);
         let painted = device.read(&read, bytes)?;

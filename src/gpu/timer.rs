@@ -1,8 +1,8 @@
-//! How long passes take on the device, by its own clock.
+//! How long passes take on the device: by its own clock, or until they are done where it is software.
 
 use super::device::Device;
 use crate::error::Result;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use wgpu::{
     Buffer, BufferUsages, ComputePassTimestampWrites, QuerySet, QuerySetDescriptor, QueryType,
     RenderPassTimestampWrites,
@@ -11,9 +11,18 @@ use wgpu::{
 /// Passes that are timed before their times are fetched.
 const PASSES: u32 = 512;
 
+enum Clock {
+    None,
+    /// The device's queries, where they are resolved to, and where they are read.
+    Queries(QuerySet, Buffer, Buffer),
+    /// Each pass is waited for. Software drivers may take both of a pass's queries when they next rasterise, and no time is
+    /// seen between them.
+    Wall(Option<(usize, Instant)>),
+}
+
 /// Times of passes, summed by the number under which each is begun.
 pub struct Timer {
-    set: Option<(QuerySet, Buffer, Buffer)>,
+    clock: Clock,
     pending: Vec<usize>,
     totals: Vec<Duration>,
 }
@@ -21,7 +30,9 @@ pub struct Timer {
 impl Timer {
     /// For passes of numbers below `count`; without a clock on the device it stays at zero.
     pub fn new(device: &Device, count: usize) -> Result<Self> {
-        let set = if device.timestamps() {
+        let clock = if !device.adapter.is_hardware() {
+            Clock::Wall(None)
+        } else if device.timestamps() {
             let set = device.device.create_query_set(&QuerySetDescriptor {
                 label: Some("times"),
                 ty: QueryType::Timestamp,
@@ -38,27 +49,42 @@ impl Timer {
                 bytes,
                 BufferUsages::COPY_DST | BufferUsages::MAP_READ,
             )?;
-            Some((set, resolved, read))
+            Clock::Queries(set, resolved, read)
         } else {
-            None
+            Clock::None
         };
         Ok(Timer {
-            set,
+            clock,
             pending: Vec::new(),
             totals: vec![Duration::ZERO; count],
         })
     }
 
     /// The queries of the next pass.
-    fn next(&mut self, device: &Device, number: usize) -> Result<Option<u32>> {
-        if self.set.is_none() {
-            return Ok(None);
+    fn next(&mut self, device: &Device, number: usize) -> Result<Option<(&QuerySet, u32)>> {
+        if let Clock::Wall(begun) = &mut self.clock {
+            device.wait()?;
+            *begun = Some((number, Instant::now()));
         }
         if self.pending.len() == PASSES as usize {
             self.fetch(device)?;
         }
+        let Clock::Queries(set, ..) = &self.clock else {
+            return Ok(None);
+        };
         self.pending.push(number);
-        Ok(Some(2 * (self.pending.len() as u32 - 1)))
+        Ok(Some((set, 2 * (self.pending.len() as u32 - 1))))
+    }
+
+    /// To be called when the pass that began last is submitted.
+    pub fn submitted(&mut self, device: &Device) -> Result<()> {
+        if let Clock::Wall(begun) = &mut self.clock
+            && let Some((number, start)) = begun.take()
+        {
+            device.wait()?;
+            self.totals[number] += start.elapsed();
+        }
+        Ok(())
     }
 
     pub fn compute(
@@ -66,14 +92,14 @@ impl Timer {
         device: &Device,
         number: usize,
     ) -> Result<Option<ComputePassTimestampWrites<'_>>> {
-        let first = self.next(device, number)?;
-        Ok(first
-            .zip(self.set.as_ref())
-            .map(|(first, (set, ..))| ComputePassTimestampWrites {
-                query_set: set,
+        let queries = self.next(device, number)?;
+        Ok(
+            queries.map(|(query_set, first)| ComputePassTimestampWrites {
+                query_set,
                 beginning_of_pass_write_index: Some(first),
                 end_of_pass_write_index: Some(first + 1),
-            }))
+            }),
+        )
     }
 
     pub fn render(
@@ -81,19 +107,17 @@ impl Timer {
         device: &Device,
         number: usize,
     ) -> Result<Option<RenderPassTimestampWrites<'_>>> {
-        let first = self.next(device, number)?;
-        Ok(first
-            .zip(self.set.as_ref())
-            .map(|(first, (set, ..))| RenderPassTimestampWrites {
-                query_set: set,
-                beginning_of_pass_write_index: Some(first),
-                end_of_pass_write_index: Some(first + 1),
-            }))
+        let queries = self.next(device, number)?;
+        Ok(queries.map(|(query_set, first)| RenderPassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(first),
+            end_of_pass_write_index: Some(first + 1),
+        }))
     }
 
     /// Fetches what is pending into the totals.
     fn fetch(&mut self, device: &Device) -> Result<()> {
-        let Some((set, resolved, read)) = &self.set else {
+        let Clock::Queries(set, resolved, read) = &self.clock else {
             return Ok(());
         };
         let count = self.pending.len() as u32;
@@ -124,6 +148,6 @@ impl Timer {
         self.fetch(device)?;
         let zeros = vec![Duration::ZERO; self.totals.len()];
         let totals = std::mem::replace(&mut self.totals, zeros);
-        Ok(self.set.is_some().then_some(totals))
+        Ok((!matches!(self.clock, Clock::None)).then_some(totals))
     }
 }

@@ -54,6 +54,7 @@ pub(super) fn dispatch(
         pass.dispatch_workgroups(over[0], over[1], 1);
     }
     device.queue.submit([encoder.finish()]);
+    timer.submitted(device)?;
     device.check()
 }
 
@@ -119,13 +120,20 @@ impl Draw<'_> {
             }
         }
         device.queue.submit([encoder.finish()]);
+        timer.submitted(device)?;
         device.check()
     }
 }
 
 impl SunMaps {
-    /// A light with maps of this side.
-    pub(super) fn slot(&self, device: &Device, pipelines: &Pipelines, side: u32) -> Result<Slot> {
+    /// A light with so many maps of this side.
+    pub(super) fn slot(
+        &self,
+        device: &Device,
+        pipelines: &Pipelines,
+        side: u32,
+        count: u32,
+    ) -> Result<Slot> {
         let light = device.buffer(
             "a light",
             shared::uniform(&shared::Light::default()).len() as u64,
@@ -136,7 +144,7 @@ impl SunMaps {
                 device,
                 label,
                 UVec2::splat(side),
-                self.split.partitions as u32,
+                count,
                 format,
                 TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
             )
@@ -151,7 +159,7 @@ impl SunMaps {
                 ..Default::default()
             })
         };
-        let views = (0..self.split.partitions as u32)
+        let views = (0..count)
             .map(|k| (layer(&depths, k), layer(&casters, k)))
             .collect();
         let all = |maps: &Texture| {

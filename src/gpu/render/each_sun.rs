@@ -6,38 +6,28 @@ use super::*;
 const SIDES: u32 = 256;
 
 impl Gpu<'_> {
-    /// How many stages from this one on run in turns, point of the sun by point: those of one effect that follow each other.
-    pub(super) fn together(&self, first: usize) -> usize {
-        let of = |stage: &Stage| match &stage.work {
-            Work::EachSun(_) => Some(stage.effect),
-            _ => None,
-        };
-        let Some(effect) = of(&self.stages[first]) else {
-            return 1;
-        };
-        self.stages[first..]
-            .iter()
-            .take_while(|stage| of(stage) == Some(effect))
-            .count()
-    }
-
-    pub(super) fn run_each_sun(
-        &mut self,
-        stages: std::ops::Range<usize>,
-        extent: UVec2,
-    ) -> Result<()> {
-        let suns = match &self.stages[stages.start].work {
-            Work::EachSun(each) => each.suns.clone(),
-            _ => Vec::new(),
-        };
+    /// Runs all passes of all effects that run for each point of the sun's disc, point by point, so that each point's maps are
+    /// drawn once for all that ask for them. Effects with as many points have the same ones.
+    pub(super) fn run_each_sun(&mut self, extent: UVec2) -> Result<()> {
+        let mut suns: Vec<SunPoint> = Vec::new();
+        for stage in &self.stages {
+            if let Work::EachSun(each) = &stage.work {
+                let new = each.suns.iter().filter(|sun| !suns.contains(sun));
+                let new: Vec<SunPoint> = new.copied().collect();
+                suns.extend(new);
+            }
+        }
         for sun in &suns {
             let slot = self.maps_for(sun)?;
-            for index in stages.clone() {
+            for index in 0..self.stages.len() {
                 let stage = &mut self.stages[index];
-                stage.runs += 1;
                 let (Work::EachSun(each), Some(maps)) = (&stage.work, &self.maps) else {
                     continue;
                 };
+                if !each.suns.contains(sun) {
+                    continue;
+                }
+                stage.runs += 1;
                 let mut groups = vec![&self.common, &each.group, &maps.slots[slot].ask];
                 groups.extend(&each.scratch);
                 let over = each.groups.unwrap_or(tile_groups(extent));
@@ -81,31 +71,42 @@ impl Gpu<'_> {
             .maps
             .as_mut()
             .expect("an effect that asks for the sun's maps runs only where the sun shines");
-        let mut light = light::fit(
-            self.plan.conditions,
-            &maps.casters,
-            sun,
-            maps.split,
-            maps.resolution,
-        );
+        let fitted = maps.fitted.iter().find(|(point, _)| point == sun);
+        let mut light = match fitted {
+            Some((_, light)) => *light,
+            None => {
+                let light = light::fit(
+                    self.plan.conditions,
+                    &maps.casters,
+                    sun,
+                    maps.split,
+                    maps.resolution,
+                );
+                maps.fitted.push((*sun, light));
+                light
+            }
+        };
         // Points of one disc ask for nearly the same.
         let side = (light.side as u32)
             .next_multiple_of(SIDES)
             .min(maps.resolution.most);
-        let bytes = 8 * u64::from(side).pow(2) * maps.split.partitions as u64;
+        let layers = light.partitions;
+        let bytes = 8 * u64::from(side).pow(2) * u64::from(layers);
+        let room = (maps.slots.len() as u64 + 1) * bytes <= KEPT_MAPS;
         let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
-        let index = match kept {
-            Some(index) => index,
-            None if maps.slots.is_empty() || (maps.slots.len() as u64 + 1) * bytes <= KEPT_MAPS => {
-                let slot = maps.slot(&self.device, &self.pipelines, side)?;
-                maps.slots.push(slot);
-                maps.slots.len() - 1
+        if kept.is_none() && (room || maps.slots.is_empty()) {
+            let made = maps.slot(&self.device, &self.pipelines, side, layers);
+            match made.and_then(|slot| self.device.check().map(|()| slot)) {
+                Ok(slot) => maps.slots.push(slot),
+                // A device that has no room for one more still has those that it has.
+                Err(error) if maps.slots.is_empty() => return Err(error),
+                Err(_) => {}
             }
-            // The last one changes hands: when points are gone through in turns, the others stay.
-            None => maps.slots.len() - 1,
-        };
-        if maps.slots[index].side < side {
-            maps.slots[index] = maps.slot(&self.device, &self.pipelines, side)?;
+        }
+        // The last one changes hands: when points are gone through in turns, the others stay.
+        let index = kept.unwrap_or(maps.slots.len() - 1);
+        if maps.slots[index].side < side || maps.slots[index].views.len() < layers as usize {
+            maps.slots[index] = maps.slot(&self.device, &self.pipelines, side, layers)?;
         }
         let slot = &mut maps.slots[index];
         light.side = slot.side as f32;

@@ -205,6 +205,7 @@ impl<'a> Maker<'_, 'a> {
             corners: self
                 .triangles
                 .corner_texture(self.device, self.plan.conditions),
+            fitted: Vec::new(),
             slots: Vec::new(),
             runs: 0,
         })
