@@ -91,7 +91,7 @@ fn sparse_samples_read_less_than_all_pixels() {
     }
     let flat = Projection::Orthographic { height: 12.0 };
     for (mut view, projection, size, most) in [
-        (forest(700), flat, [512, 512], 0.75),
+        (forest(700), flat, [512, 512], 0.8),
         (slats(1.0), Projection::Panorama, [1024, 512], 0.75),
     ] {
         view.camera.projection = projection;

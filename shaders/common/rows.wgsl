@@ -252,8 +252,9 @@ fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t
         }
         let shadow = shadow_of(caster, run_origin, run_direction);
         let ends = select(shadow.span.yx, shadow.span, lit_behind);
-        // It must reach on from the edge so far; maps do not show what would fill less than a texel.
-        let over = 1e-6 * abs(edge) + texel / slice.sine;
+        // It must reach on from the edge so far. Before the column's border what fills less than a texel may be missing on the
+        // maps; behind it they show light.
+        let over = 1e-6 * abs(edge) + select(0.0, texel / slice.sine, outward * (t - edge) > 0.0);
         let goes_on = outward * (ends.y - edge) > 0.0 && outward * (ends.x - edge) < over;
         if shadow.span.y < shadow.span.x || !select(goes_on, abs(ends.y - t) < reach, last == NO_CASTER) {
             continue;
@@ -374,7 +375,7 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
         }
         // Borders as dense as columns are not all found: to move each to an edge nearby would favour light or shadow.
         let among = run_borders[1] - run_borders[max(run_count, 2u) - 1u];
-        let dense = run_count >= 15u && run_borders[1] < 0.0 && run_borders[run_count - 1u] < 0.0 && among < 2.5 * f32(run_count);
+        let dense = run_count >= 15u && run_borders[1] < 0.0 && run_borders[run_count - 1u] < 0.0 && among < 3.0 * f32(run_count);
         var exact = halvings > 0u && !dense;
         for (var k = 0u; k < run_count; k++) {
             let column = -1.0 - run_borders[k];

@@ -46,7 +46,7 @@ pub const SHADOW: Effect = Effect {
         Knob {
             name: "density",
             meaning: "texels across a pixel's width in the middle of each partition, as far as the resolution allows",
-            values: [2.0, 4.0, 8.0, 16.0],
+            values: [2.0, 8.0, 16.0, 16.0],
             range: [0.0625, 1024.0],
         },
     ],

@@ -90,7 +90,7 @@ impl Gpu<'_> {
         let side = (light.side as u32)
             .next_multiple_of(SIDES)
             .min(maps.resolution.most);
-        let layers = light.partitions;
+        let layers = light.partitions.max(1);
         let bytes = 8 * u64::from(side).pow(2) * u64::from(layers);
         let room = (maps.slots.len() as u64 + 1) * bytes <= KEPT_MAPS;
         let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
