@@ -324,6 +324,35 @@ fn a_sun_across_the_view_is_no_special_case() {
     assert!(sorted[24] < 0.01);
 }
 
+/// Walls that the light runs along have no shadow, though their neighbours over an edge have: all of a building's sides under
+/// a sun at the zenith, half of them under one in the south.
+#[test]
+fn walls_along_the_light_throw_no_shadow() {
+    let test = "walls_along_the_light_throw_no_shadow";
+    if !common::gpu(test) {
+        return;
+    }
+    for [azimuth_deg, elevation_deg] in [[37.0, 90.0], [180.0, 45.0], [0.0, 30.0], [90.0, 60.0]] {
+        for mut view in [gates(), slats(1.0), colonnade()] {
+            if let Some(sun) = &mut view.scene.sun {
+                (sun.azimuth_deg, sun.elevation_deg) = (azimuth_deg, elevation_deg);
+            }
+            let conditions = view.conditions([128, 96]).expect("sound");
+            let truth = by_reference(&conditions, &[]);
+            let (rmse, bias) = error(&by_gpu(&conditions, Method::Rectified, &[]), &truth);
+            eprintln!(
+                "{} {azimuth_deg} {elevation_deg}: {rmse:.5} {bias:+.5}",
+                view.name
+            );
+            assert!(
+                rmse < 0.01 && bias.abs() < 0.002,
+                "{}: {rmse} {bias}",
+                view.name
+            );
+        }
+    }
+}
+
 #[test]
 fn the_suns_place_sweeps_over_pixels_corners_and_behind() {
     let test = "the_suns_place_sweeps_over_pixels_corners_and_behind";

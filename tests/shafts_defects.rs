@@ -63,7 +63,12 @@ fn borders_between_partitions_leave_no_trace() {
         );
         assert!(seen > 0.02, "{}: {seen}", view.name);
         // Another number makes other texels of all leaves, whose borders are left where maps and rows show them.
-        assert!(still < 1e-3 && five < 4e-3, "{}: {still} {five}", view.name);
+        let most = if method == Method::Rectified {
+            4e-3
+        } else {
+            3e-3
+        };
+        assert!(still < 1e-3 && five < most, "{}: {still} {five}", view.name);
     }
 }
 

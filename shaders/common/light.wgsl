@@ -121,6 +121,11 @@ fn shadow_of(triangle: u32, origin: vec3f, direction: vec3f) -> Shadow {
     let p2 = axis_parts(c2.xyz - origin);
     let normal = cross(p1 - p0, p2 - p0);
     let side = sign(normal.z);
+    if side == 0.0 {
+        // The light runs along its plane: it has no shadow.
+        shadow.span = vec2f(0.0, -1.0);
+        return shadow;
+    }
     // Not over the plane, and inside of each edge.
     shadow = bounded(shadow, side * vec2f(dot(normal, p0), -dot(normal, d)), 0.0);
     shadow = bounded(shadow, side * beside(p0, p1, d), c0.w);

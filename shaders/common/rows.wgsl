@@ -212,8 +212,8 @@ fn column_distance(rows: Rows, slice: Slice, span: Span, column: f32) -> f32 {
 }
 
 // What stands for a border that casters' edges do not tell: that of something without an edge nearby, or with holes.
-const NO_EDGE = -1.0;
-const HOLES = -2.0;
+const NO_EDGE = -2.0 * FARTHEST;
+const HOLES = -3.0 * FARTHEST;
 
 // Where the shadow ends (or begins, unless it is lit behind) that the caster over a dark place of the row throws on the ray
 // itself, if that is near the column's border at t. From there on casters are followed that throw shadow on: that beyond the
@@ -289,8 +289,9 @@ fn halved_border(rows: Rows, slice: Slice, span: Span, column: f32, lit_behind: 
 
 // Sunlight that a ray scatters to the eye [1/sr]: shaded by one row, or by the one place that a ray along the light meets.
 // The row's columns are gone through from the eye outward; children that are as the ray is are passed over at once.
-// Borders are made exact unless `halvings` is 0: taken from the edges of casters, or halved where those tell nothing. Many
-// borders of something with holes, as leaves are, stay at their columns: they are off to both sides, and each is little.
+// Borders are made exact unless `halvings` is 0: taken from the edges of casters, or halved where those tell nothing. Where
+// many lie along a ray, those from the first thing with holes on, as leaves are, stay at their columns: they are off to both
+// sides, each tells little, and to ask for what casts them would be most of the reads.
 fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32, halvings: u32) -> vec3f {
     begin_runs(origin, direction, span.air);
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
@@ -386,7 +387,7 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
                 if exact {
                     let edge = edge_of_shadow(rows, slice, span, row, column, t, (k & 1u) == 0u);
                     exact = edge != HOLES || run_count <= 8u;
-                    if edge >= 0.0 {
+                    if edge > NO_EDGE {
                         t = clamp(edge, span.shaded.x, span.shaded.y);
                     } else if exact {
                         t = halved_border(rows, slice, span, column, (k & 1u) == 0u, halvings, vec2f(before, next));

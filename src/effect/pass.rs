@@ -36,8 +36,8 @@ pub enum Kind {
     /// One invocation for each pixel of a tile.
     Pixels,
     /// Once for each point of the sun's disc, whose number is the effect's knob of that name. The shader sees that point and
-    /// its shadow maps in its bind group 2. Such passes of all effects run in turns, point by point, after those that find
-    /// surfaces and before all others.
+    /// its shadow maps in its bind group 2. Such passes of all effects run in turns, point by point, when the first of them
+    /// would: they read nothing that a pass of another kind writes after that.
     EachSun(&'static str, Over),
     /// One invocation for each pixel of a tile, once for each of these fields that the plan makes ([`Resource::Each`]).
     EachField(&'static [Field]),
@@ -79,4 +79,29 @@ pub enum Resource {
     Texels,
     /// Numbers that the effect prepares once a frame.
     Table(fn(&Conditions, &Settings<'_>) -> Vec<f32>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::ALL;
+
+    #[test]
+    fn passes_for_points_of_the_sun_read_nothing_that_others_write_after_the_first_of_them() {
+        let passes = || ALL.iter().flat_map(|effect| effect.passes);
+        let is_each_sun = |pass: &&Pass| matches!(pass.kind, Kind::EachSun(..));
+        let mut written = Vec::new();
+        for pass in passes().skip_while(|pass| !is_each_sun(pass)) {
+            for resource in pass.uses {
+                match resource {
+                    Resource::Read(field) | Resource::Update(field) if is_each_sun(&pass) => {
+                        assert!(!written.contains(field), "{}: {field:?}", pass.entry);
+                    }
+                    Resource::Update(field) => written.push(*field),
+                    _ => {}
+                }
+            }
+        }
+        assert!(written.contains(&Field::Background));
+    }
 }

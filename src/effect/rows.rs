@@ -15,8 +15,10 @@
 //! A row says which borders of light a ray has, in which order, and which casters make them; not where they are exactly, for
 //! maps have texels and rows have columns. Each texel also holds the number of its caster, so that a border is taken from the
 //! caster itself: the ray is in the shadow of a triangle where it is inside of its three edges, seen along the light, and not
-//! over its plane, which are four divisions. Texels then decide only which casters are found, and no straight edge is stepped.
-//! Casters with holes have no such edge; there the border is halved by asking the maps.
+//! over its plane, which are four divisions. From there shadow is followed to the triangle over the edge, or to what the maps
+//! show next to it, until nothing throws it on. Texels then decide only which casters are found, and no straight edge is
+//! stepped. Casters with holes have no such edge: a border is halved there by asking the maps, or stays at its column if it is
+//! one of many along the ray.
 //!
 //! An orthographic view has parallel rays. A slice is then a plane along r and w, rows are spaced by its offset, columns by
 //! the place across it, and the number that a ray keeps is its offset along m = sin(theta) w - cos(theta) e, e the unit vector
@@ -47,7 +49,7 @@ pub const COLUMNS: Knob = Knob {
 /// How exactly borders of light are found.
 pub const HALVINGS: Knob = Knob {
     name: "halvings",
-    meaning: "reads of the maps for each border of light whose caster has holes; other borders are exact, unless this is 0",
+    meaning: "reads of the maps for a border of light whose caster has holes, unless there are many; other borders are exact, unless this is 0",
     values: [0.0, 4.0, 5.0, 5.0],
     range: [0.0, 8.0],
 };

@@ -29,7 +29,7 @@ pub struct Adapter {
     pub driver: String,
     /// How much of everything it takes.
     pub limits: Limits,
-    /// Whether passes can be timed on it.
+    /// Whether it has a clock of its own, by which passes are timed; software is timed by the wall clock.
     pub timestamps: bool,
     /// Whether casters behind the near plane of a shadow map can be kept.
     pub unclipped_depth: bool,

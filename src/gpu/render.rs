@@ -122,6 +122,8 @@ struct SunMaps {
     /// Where the maps of each point look.
     fitted: Vec<(SunPoint, shared::Light)>,
     slots: Vec<Slot>,
+    /// Whether the device had no room for one more.
+    full: bool,
     runs: u32,
 }
 
@@ -509,8 +511,12 @@ impl<'a> Gpu<'a> {
             }
         }
         self.device.queue.submit([encoder.finish()]);
-        self.run_each_sun(extent)?;
+        let is_each_sun = |stage: &Stage| matches!(stage.work, Work::EachSun(_));
+        let first = self.stages.iter().position(is_each_sun);
         for i in 0..self.stages.len() {
+            if Some(i) == first {
+                self.run_each_sun(extent)?;
+            }
             if !self.stages[i].finds_surfaces {
                 self.run(i, extent, &rays)?;
             }

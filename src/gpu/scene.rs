@@ -113,7 +113,7 @@ fn beyond_edges(corners: &[DVec3]) -> Vec<Option<u32>> {
     let bits = |p: DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
     let mut beyond = vec![None; corners.len()];
     // The first and the last edge between two places so far.
-    let mut met: HashMap<[[u64; 3]; 2], [usize; 2]> = HashMap::with_capacity(corners.len());
+    let mut met: HashMap<[[u64; 3]; 2], [usize; 2]> = HashMap::with_capacity(corners.len() / 2);
     for i in 0..corners.len() {
         let next = if i % 3 == 2 { i - 2 } else { i + 1 };
         let mut ends = [bits(corners[i]), bits(corners[next])];

@@ -32,7 +32,7 @@ struct SkyMap {
 pub struct Painted {
     /// RGB in the working space [cd/m2], row by row from the top left; without the sun's disc.
     pub texels: Vec<Vec3>,
-    /// How long the device took, by its own clock; `None` if it has none.
+    /// How long the device took, by its own clock, or by the wall's where it is software; `None` if it has none.
     pub time: Option<Duration>,
     /// Bytes allocated and moved.
     pub traffic: Traffic,

@@ -91,16 +91,19 @@ impl Gpu<'_> {
             .next_multiple_of(SIDES)
             .min(maps.resolution.most);
         let layers = light.partitions.max(1);
-        let bytes = 8 * u64::from(side).pow(2) * u64::from(layers);
-        let room = (maps.slots.len() as u64 + 1) * bytes <= KEPT_MAPS;
+        let bytes = |side: u32, layers: u64| 8 * u64::from(side).pow(2) * layers;
         let kept = maps.slots.iter().position(|slot| slot.toward == sun.toward);
-        if kept.is_none() && (room || maps.slots.is_empty()) {
+        let sizes = maps.slots.iter();
+        let sizes = sizes.map(|slot| bytes(slot.side, slot.views.len() as u64));
+        let room = sizes.sum::<u64>() + bytes(side, u64::from(layers)) <= KEPT_MAPS;
+        if kept.is_none() && (maps.slots.is_empty() || room && !maps.full) {
+            self.device.check()?;
             let made = maps.slot(&self.device, &self.pipelines, side, layers);
             match made.and_then(|slot| self.device.check().map(|()| slot)) {
                 Ok(slot) => maps.slots.push(slot),
-                // A device that has no room for one more still has those that it has.
                 Err(error) if maps.slots.is_empty() => return Err(error),
-                Err(_) => {}
+                // A device that has no room for one more still has those that it has.
+                Err(_) => maps.full = true,
             }
         }
         // The last one changes hands: when points are gone through in turns, the others stay.

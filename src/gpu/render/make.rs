@@ -207,6 +207,7 @@ impl<'a> Maker<'_, 'a> {
                 .corner_texture(self.device, self.plan.conditions),
             fitted: Vec::new(),
             slots: Vec::new(),
+            full: false,
             runs: 0,
         })
     }
