@@ -3,11 +3,9 @@
 //! A pixel finds its row of the rectified map ([`super::rows`]) and goes through the row's tree from the eye outward: a node
 //! whose d are all below the ray's c is lit, one whose d are all above is dark, any other is opened. What comes out are the
 //! lit runs of the ray; each is integrated in closed form, or by Gauss-Legendre quadrature where media of several kinds
-//! overlap. There is no step. What is left of error is the width of rows and columns and of the maps' texels, and falls with
-//! each of them.
-//!
-//! A border of light lies between the middles of two columns; where there are few of them, which then matter, some reads of
-//! the maps at the ray's own azimuth halve that uncertainty again and again.
+//! overlap. There is no step. A border of light lies between the middles of two columns; the triangles that throw the shadow
+//! then say where exactly. What is left of error are beams that a pixel's row just misses, what is thinner than a texel, and
+//! leaves, whose borders stay at columns where there are many.
 //!
 //! With two rows a pixel their light is blended by the pixel's place between them; a pixel then uses its own end with a
 //! neighbour's heights, which darkens the last cells at silhouettes and on grazing ground. One row is the default.
