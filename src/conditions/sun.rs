@@ -2,7 +2,7 @@
 
 use crate::colour::luminance;
 use crate::sky::{SunLight, sun};
-use glam::DVec3;
+use glam::{DMat2, DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// The sun as the scene sees it.
@@ -68,32 +68,70 @@ impl Sun {
             * DVec3::new(channel(0), channel(1), channel(2))
     }
 
+    /// Places on the disc [its radii] and their weights, for two points or more: a sunflower spiral, each for the same share of
+    /// the area, weighted by limb darkening.
+    ///
+    /// Few points of a spiral lie to one side, and would move all edges of shadows that way: they are moved until their mean
+    /// is the middle, and stretched until they spread as far in all directions.
+    fn spiral(&self, count: usize) -> Vec<(DVec2, DVec3)> {
+        let golden = PI * (3.0 - 5.0f64.sqrt());
+        let mut points: Vec<(DVec2, DVec3)> = (0..count)
+            .map(|i| {
+                let rho = ((i as f64 + 0.5) / count as f64).sqrt();
+                (rho * DVec2::from_angle(i as f64 * golden), self.limb(rho))
+            })
+            .collect();
+        let all: f64 = points.iter().map(|(_, w)| luminance(*w)).sum();
+        let mean = |of: &dyn Fn(DVec2) -> f64| -> f64 {
+            points
+                .iter()
+                .map(|(p, w)| luminance(*w) * of(*p))
+                .sum::<f64>()
+                / all
+        };
+        let middle = DVec2::new(mean(&|p| p.x), mean(&|p| p.y));
+        let wanted = 0.5 * mean(&|p| p.length_squared());
+        let moment = |f: &dyn Fn(DVec2) -> f64| mean(&|p| f(p - middle));
+        let (xx, xy, yy) = (
+            moment(&|p| p.x * p.x),
+            moment(&|p| p.x * p.y),
+            moment(&|p| p.y * p.y),
+        );
+        // The inverse square root of a symmetric matrix M of two rows: ((tr M + q) I - M) / (q sqrt(tr M + 2 q)), q^2 = det M.
+        let q = (xx * yy - xy * xy).max(0.0).sqrt();
+        let t = (xx + yy + 2.0 * q).sqrt();
+        // Two points lie on a line, and cannot be spread over it.
+        let stretch = if count > 2 {
+            let inner = DMat2::from_cols(DVec2::new(yy + q, -xy), DVec2::new(-xy, xx + q));
+            inner * (wanted.sqrt() / (q * t))
+        } else {
+            DMat2::IDENTITY
+        };
+        for (p, _) in &mut points {
+            *p = stretch * (*p - middle);
+        }
+        points
+    }
+
     /// `count` points that stand for the part of the disc above the horizon; one for a point sun.
     ///
-    /// They lie on a sunflower spiral, each for the same share of the disc's area, weighted by limb darkening; together they
-    /// give [`SunLight::illuminance`].
+    /// They lie on a spiral whose mean and spread are the disc's; together they give [`SunLight::illuminance`].
     pub fn points(&self, count: usize) -> Vec<SunPoint> {
-        let count = if self.angular_radius == 0.0 {
-            1
+        let places = if self.angular_radius == 0.0 || count < 2 {
+            vec![(DVec2::ZERO, DVec3::ONE)]
         } else {
-            count.max(1)
+            self.spiral(count)
         };
         let (x, y) = self.toward.any_orthonormal_pair();
-        let golden = PI * (3.0 - 5.0f64.sqrt());
         let (sin_radius, _) = self.angular_radius.sin_cos();
-        let place = |i: usize| {
-            let rho = if count == 1 {
-                0.0
-            } else {
-                ((i as f64 + 0.5) / count as f64).sqrt()
-            };
-            let (sin, cos) = (i as f64 * golden).sin_cos();
-            let offset = rho * sin_radius;
+        let place = |(at, weight): (DVec2, DVec3)| {
+            let offset = sin_radius * at;
             let toward =
-                self.toward * (1.0 - offset * offset).sqrt() + offset * (cos * x + sin * y);
-            (toward.normalize(), self.limb(rho))
+                self.toward * (1.0 - offset.length_squared()).sqrt() + offset.x * x + offset.y * y;
+            (toward.normalize(), weight)
         };
-        let mut points: Vec<_> = (0..count)
+        let mut points: Vec<_> = places
+            .into_iter()
             .map(place)
             .filter(|(toward, _)| toward.y > 0.0)
             .collect();
@@ -112,5 +150,59 @@ impl Sun {
                 illuminance: self.light.illuminance * weight / sum,
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_the_disc_lie_around_its_middle_and_spread_alike_in_all_directions() {
+        for limb_darkening in [false, true] {
+            let sun = Sun {
+                toward: DVec3::new(0.3, 0.8, -0.2).normalize(),
+                angular_radius: 0.00465,
+                light: SunLight {
+                    illuminance: DVec3::ONE,
+                    full_illuminance: DVec3::ONE,
+                    visible_share: 1.0,
+                    irradiance: None,
+                    angular_radius: 0.00465,
+                    visible_elevation: 0.9,
+                    air_mass: None,
+                },
+                limb_darkening,
+            };
+            let (x, y) = sun.toward.any_orthonormal_pair();
+            // Each channel's shares sum to one, which weights them a little differently.
+            let near = if limb_darkening { 1e-4 } else { 1e-9 };
+            for count in [2, 3, 4, 5, 16, 128] {
+                let points = sun.points(count);
+                assert_eq!(points.len(), count);
+                let place = |p: &SunPoint| {
+                    DVec2::new(p.toward.dot(x), p.toward.dot(y)) / sun.angular_radius.sin()
+                };
+                let mean = |of: &dyn Fn(DVec2) -> f64| -> f64 {
+                    points
+                        .iter()
+                        .map(|p| luminance(p.illuminance) * of(place(p)))
+                        .sum()
+                };
+                let [a, b] = [mean(&|p| p.x), mean(&|p| p.y)];
+                assert!(a.abs() < near && b.abs() < near, "{count}: {a} {b}");
+                assert!(points.iter().all(|p| place(p).length() < 1.0), "{count}");
+                if count > 2 {
+                    let [xx, xy, yy] = [
+                        mean(&|p| p.x * p.x),
+                        mean(&|p| p.x * p.y),
+                        mean(&|p| p.y * p.y),
+                    ];
+                    assert!(xy.abs() < near && (xx - yy).abs() < near, "{count}: {xy}");
+                    // A quarter of the radius' square for an even disc, less where the limb is dark.
+                    assert!(xx > 0.2 && xx < 0.25 + near, "{count}: {xx}");
+                }
+            }
+        }
     }
 }
