@@ -48,7 +48,7 @@ fn build(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     let blocks = u32(knobs[1]) / 8u;
     let used = select(0u, blocks, group.x < rows.count);
     let first_leaf = tree_row(group.x, blocks);
-    let row = rows.first + (f32(group.x) + 0.5) * rows.step;
+    let row = row_middle(rows, group.x);
     // In an orthographic view all rays have the angle of any.
     let any_ray = slice_of(vec3f(0.0), rays[0].xyz);
     for (var block = local; block < used; block += 64u) {

@@ -405,10 +405,10 @@ fn nothing_is_left_over() {
         "mastodon",
         "the FIXMEs",
         "todo!x",
-        "src/work/",
-        "${X}/work/",
+        "src/wo_rk/",
+        "${X}/wo_rk/",
     ] {
-        let good = made_up(&[("a.rs", good)]);
+        let good = made_up(&[("a.rs", &good.replace('_', ""))]);
         assert_eq!(leftovers(&good), [""; 0]);
     }
     for bad in [

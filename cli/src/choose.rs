@@ -51,11 +51,12 @@ fn by_error(
     most: f64,
 ) -> Result<Chosen> {
     let yardstick = yardstick(args, conditions)?;
+    let candidates = candidates(args, conditions, backend)?;
     let mut least = f64::INFINITY;
     for quality in Quality::ALL {
         let mut cheapest: Option<(f64, f64, Option<Method>)> = None;
-        for method in candidates(args, conditions, backend)? {
-            let plan = Plan::new(conditions, &args.overrules_with(quality, method))?;
+        for method in &candidates {
+            let plan = Plan::new(conditions, &args.overrules_with(quality, *method))?;
             let (error, seconds) = match Backend::new(backend)? {
                 Backend::Reference => (accuracy::compare(&plan, &yardstick, PIXELS)?, 0.0),
                 gpu => {
@@ -71,7 +72,7 @@ fn by_error(
             let error = error.picture().relative_rmse;
             least = least.min(error);
             if error <= most && cheapest.is_none_or(|(_, best, _)| seconds < best) {
-                cheapest = Some((error, seconds, method));
+                cheapest = Some((error, seconds, *method));
             }
         }
         if let Some((error, _, method)) = cheapest {
@@ -129,13 +130,14 @@ fn by_time(
     limit: f64,
 ) -> Result<Chosen> {
     let yardstick = yardstick(args, conditions)?;
+    let candidates = candidates(args, conditions, backend)?;
     let mut shortest = f64::INFINITY;
     let mut chosen: Option<(f64, Chosen)> = None;
     // From the coarsest on, as long as twice the time is left: a finer one takes about that or more.
     for quality in Quality::ALL {
         let mut best: Option<(f64, f64, Option<Method>)> = None;
         let mut quickest = f64::INFINITY;
-        for method in &candidates(args, conditions, backend)? {
+        for method in &candidates {
             let plan = Plan::new(conditions, &args.overrules_with(quality, *method))?;
             let (milliseconds, done) = match Backend::new(backend)? {
                 Backend::Reference => {

@@ -211,6 +211,16 @@ fn column_distance(rows: Rows, slice: Slice, span: Span, column: f32) -> f32 {
     return clamp((a - slice.start) / slice.sine, span.shaded.x, span.shaded.y);
 }
 
+// Azimuth (or offset) of a row's middle.
+fn row_middle(rows: Rows, row: u32) -> f32 {
+    return rows.first + (f32(row) + 0.5) * rows.step;
+}
+
+// How wide a texel is at a place, of the finest map that covers it.
+fn texel_at(at: vec2f) -> f32 {
+    return length(light.maps[min(covering(at, 0.0), light.partitions - 1u)].texel);
+}
+
 // What stands for a border that casters' edges do not tell: that of something without an edge nearby, or with holes.
 const NO_EDGE = -2.0 * FARTHEST;
 const HOLES = -3.0 * FARTHEST;
@@ -223,11 +233,11 @@ fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t
     let onward = outward * normalize(axis_parts(run_direction).xy);
     let dark = across_of(rows, (column - 0.5 * outward) / f32(rows.columns));
     // Where to look, and where if that is in vain: at the ray's own azimuth.
-    var place = slice_place(rows.first + (f32(row) + 0.5) * rows.step, dark);
+    var place = slice_place(row_middle(rows, row), dark);
     var instead = slice_place(slice.row, dark);
-    var texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+    var texel = texel_at(place);
     // The row is not quite the ray's own, and edges may run along it.
-    let apart = abs(slice.row - rows.first - (f32(row) + 0.5) * rows.step);
+    let apart = abs(slice.row - row_middle(rows, row));
     let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u);
     let blur = (2.0 * texel + 1000.0 * shift) / slice.sine;
     let reach = blur + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
@@ -263,7 +273,7 @@ fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t
         last = caster;
         beyond = select(shadow.beyond.x, shadow.beyond.y, lit_behind);
         place = slice_place(slice.row, slice.start + edge * slice.sine);
-        texel = length(light.maps[min(covering(place, 0.0), light.partitions - 1u)].texel);
+        texel = texel_at(place);
         // What goes on there may be thin.
         instead = place + 0.25 * texel * onward;
         place += 0.75 * texel * onward;

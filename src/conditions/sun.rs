@@ -74,12 +74,8 @@ impl Sun {
     /// Few points of a spiral lie to one side, and would move all edges of shadows that way: they are moved until their mean
     /// is the middle, and stretched until they spread as far in all directions.
     fn spiral(&self, count: usize) -> Vec<(DVec2, DVec3)> {
-        let golden = PI * (3.0 - 5.0f64.sqrt());
-        let mut points: Vec<(DVec2, DVec3)> = (0..count)
-            .map(|i| {
-                let rho = ((i as f64 + 0.5) / count as f64).sqrt();
-                (rho * DVec2::from_angle(i as f64 * golden), self.limb(rho))
-            })
+        let mut points: Vec<(DVec2, DVec3)> = sun::sunflower(count)
+            .map(|(rho, at)| (at, self.limb(rho)))
             .collect();
         let all: f64 = points.iter().map(|(_, w)| luminance(*w)).sum();
         let mean = |of: &dyn Fn(DVec2) -> f64| -> f64 {
@@ -91,12 +87,9 @@ impl Sun {
         };
         let middle = DVec2::new(mean(&|p| p.x), mean(&|p| p.y));
         let wanted = 0.5 * mean(&|p| p.length_squared());
-        let moment = |f: &dyn Fn(DVec2) -> f64| mean(&|p| f(p - middle));
-        let (xx, xy, yy) = (
-            moment(&|p| p.x * p.x),
-            moment(&|p| p.x * p.y),
-            moment(&|p| p.y * p.y),
-        );
+        let xx = mean(&|p| (p.x - middle.x).powi(2));
+        let xy = mean(&|p| (p.x - middle.x) * (p.y - middle.y));
+        let yy = mean(&|p| (p.y - middle.y).powi(2));
         // The inverse square root of a symmetric matrix M of two rows: ((tr M + q) I - M) / (q sqrt(tr M + 2 q)), q^2 = det M.
         let q = (xx * yy - xy * xy).max(0.0).sqrt();
         let t = (xx + yy + 2.0 * q).sqrt();

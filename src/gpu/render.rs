@@ -13,7 +13,7 @@ use super::scene::{Plane, SceneBuffers, Triangles, media};
 use super::shared;
 use super::timer::Timer;
 use crate::colour::Space;
-use crate::conditions::SunPoint;
+use crate::conditions::{Conditions, SunPoint};
 use crate::effect::visibility::{ground_surface, known_surface};
 use crate::effect::{Batch, Field, Fields, Kind, Pass, Resource, Settings};
 use crate::error::{Error, Result};
@@ -83,7 +83,8 @@ struct EachSun {
     pipeline: ComputePipeline,
     group: BindGroup,
     scratch: Option<BindGroup>,
-    suns: Vec<SunPoint>,
+    /// Which of [`SunMaps::points`] it runs for.
+    points: Vec<usize>,
     /// Workgroups; absent: those that cover the tile.
     groups: Option<[u32; 2]>,
 }
@@ -119,8 +120,8 @@ struct SunMaps {
     casters: Vec<DVec3>,
     /// The same, relative to the eye, as the shaders read them.
     corners: Texture,
-    /// Where the maps of each point look.
-    fitted: Vec<(SunPoint, shared::Light)>,
+    /// The points of all effects, and where the maps of each look.
+    points: Vec<(SunPoint, shared::Light)>,
     slots: Vec<Slot>,
     /// Whether the device had no room for one more.
     full: bool,

@@ -32,7 +32,7 @@ pub struct Map {
 }
 
 /// Points that the sun's disc is made of: a texel that it covers in full gets some hundred of them at 8 192 texels around.
-const DISC_POINTS: u32 = 1 << 16;
+const DISC_POINTS: usize = 1 << 16;
 
 /// Paints the rows of a map, on as many cores as one likes.
 pub struct Painter<'s> {
@@ -240,13 +240,10 @@ impl Map {
         }
         let (u, v) = toward_sun.any_orthonormal_pair();
         let radius = light.angular_radius.tan();
-        let golden = PI * (3.0 - 5f64.sqrt());
         let mut texels = std::collections::BTreeMap::<usize, DVec3>::new();
         let mut total = DVec3::ZERO;
-        for i in 0..DISC_POINTS {
-            let rho = ((f64::from(i) + 0.5) / f64::from(DISC_POINTS)).sqrt();
-            let (s, c) = (golden * f64::from(i)).sin_cos();
-            let d = (toward_sun + (u * c + v * s) * (rho * radius)).normalize();
+        for (rho, at) in super::sun::sunflower(DISC_POINTS) {
+            let d = (toward_sun + radius * (at.x * u + at.y * v)).normalize();
             if d.y < 0.0 {
                 continue;
             }

@@ -15,7 +15,7 @@
 use crate::colour::{cie1931, into_gamut, working_from_xyz};
 use crate::error::{Error, Result};
 use crate::units::{DEG, LUMINOUS_EFFICACY, STANDARD_PRESSURE_HPA, SUN_DIAMETER};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 
@@ -237,6 +237,16 @@ pub const LIMB_EXPONENT: DVec3 = DVec3::new(
     -0.023 + 0.292 / 0.532,
     -0.023 + 0.292 / 0.467,
 );
+
+/// Places spread evenly over a disc, as the seeds of a sunflower: distance from its middle and place [its radii], each for the
+/// same share of its area (Vogel 1979).
+pub fn sunflower(count: usize) -> impl Iterator<Item = (f64, DVec2)> {
+    let golden = PI * (3.0 - 5f64.sqrt());
+    (0..count).map(move |i| {
+        let rho = ((i as f64 + 0.5) / count as f64).sqrt();
+        (rho, rho * DVec2::from_angle(golden * i as f64))
+    })
+}
 
 /// Luminance of the disc over its mean [1], per channel, at `rho` of its radius, 0 to 1; its mean over the disc is 1.
 ///

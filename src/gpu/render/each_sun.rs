@@ -5,26 +5,31 @@ use super::*;
 /// Sides of maps are multiples of this [texels].
 const SIDES: u32 = 256;
 
+impl SunMaps {
+    /// The number of a point of the sun's disc, whichever effect asks for it first.
+    pub(super) fn point(&mut self, conditions: &Conditions, sun: &SunPoint) -> usize {
+        let known = self.points.iter().position(|(point, _)| point == sun);
+        known.unwrap_or_else(|| {
+            let light = light::fit(conditions, &self.casters, sun, self.split, self.resolution);
+            self.points.push((*sun, light));
+            self.points.len() - 1
+        })
+    }
+}
+
 impl Gpu<'_> {
     /// Runs all passes of all effects that run for each point of the sun's disc, point by point, so that each point's maps are
     /// drawn once for all that ask for them. Effects with as many points have the same ones.
     pub(super) fn run_each_sun(&mut self, extent: UVec2) -> Result<()> {
-        let mut suns: Vec<SunPoint> = Vec::new();
-        for stage in &self.stages {
-            if let Work::EachSun(each) = &stage.work {
-                let new = each.suns.iter().filter(|sun| !suns.contains(sun));
-                let new: Vec<SunPoint> = new.copied().collect();
-                suns.extend(new);
-            }
-        }
-        for sun in &suns {
-            let slot = self.maps_for(sun)?;
+        let count = self.maps.as_ref().map_or(0, |maps| maps.points.len());
+        for point in 0..count {
+            let slot = self.maps_for(point)?;
             for index in 0..self.stages.len() {
                 let stage = &mut self.stages[index];
                 let (Work::EachSun(each), Some(maps)) = (&stage.work, &self.maps) else {
                     continue;
                 };
-                if !each.suns.contains(sun) {
+                if !each.points.contains(&point) {
                     continue;
                 }
                 stage.runs += 1;
@@ -66,26 +71,9 @@ impl Gpu<'_> {
     }
 
     /// The slot that holds the maps of a point of the sun, drawn unless they are there.
-    fn maps_for(&mut self, sun: &SunPoint) -> Result<usize> {
-        let maps = self
-            .maps
-            .as_mut()
-            .expect("an effect that asks for the sun's maps runs only where the sun shines");
-        let fitted = maps.fitted.iter().find(|(point, _)| point == sun);
-        let mut light = match fitted {
-            Some((_, light)) => *light,
-            None => {
-                let light = light::fit(
-                    self.plan.conditions,
-                    &maps.casters,
-                    sun,
-                    maps.split,
-                    maps.resolution,
-                );
-                maps.fitted.push((*sun, light));
-                light
-            }
-        };
+    fn maps_for(&mut self, point: usize) -> Result<usize> {
+        let maps = self.maps.as_mut().expect("a point has maps");
+        let (sun, mut light) = maps.points[point];
         // Points of one disc ask for nearly the same.
         let side = (light.side as u32)
             .next_multiple_of(SIDES)

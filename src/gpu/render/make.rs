@@ -106,7 +106,7 @@ impl<'a> Maker<'_, 'a> {
                     pipeline: pipeline.clone(),
                     group,
                     scratch: self.scratch(effect, pass, settings)?,
-                    suns: self.plan.conditions.sun_points(settings.get(knob) as usize),
+                    points: self.points(settings.get(knob) as usize),
                     groups: match over {
                         Over::Pixels => None,
                         Over::Groups(count) => Some(count(settings)),
@@ -174,6 +174,17 @@ impl<'a> Maker<'_, 'a> {
         });
     }
 
+    /// Which points of the sun's disc stand for it when there are so many.
+    fn points(&mut self, count: usize) -> Vec<usize> {
+        let conditions = self.plan.conditions;
+        let suns = conditions.sun_points(count);
+        let maps = self
+            .maps
+            .as_mut()
+            .expect("an effect that asks for the sun's maps runs only where the sun shines");
+        suns.iter().map(|sun| maps.point(conditions, sun)).collect()
+    }
+
     pub(super) fn sun_maps(
         &self,
         settings: &Settings,
@@ -205,7 +216,7 @@ impl<'a> Maker<'_, 'a> {
             corners: self
                 .triangles
                 .corner_texture(self.device, self.plan.conditions),
-            fitted: Vec::new(),
+            points: Vec::new(),
             slots: Vec::new(),
             full: false,
             runs: 0,
