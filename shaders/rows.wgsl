@@ -1,9 +1,5 @@
 // Fills the rectified map of a tile for one point of the sun: what its pixels ask for, then rows and their trees.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-// The numbers of rows and of columns.
-@group(1) @binding(1) var<storage, read> knobs: array<f32>;
-
 @compute @workgroup_size(1)
 fn begin() {
     for (var i = 0u; i < 8u; i++) {
@@ -44,8 +40,8 @@ fn joined(a: u32, b: u32, c: u32, d: u32) -> u32 {
 
 @compute @workgroup_size(64)
 fn build(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
-    let blocks = u32(knobs[1]) / 8u;
+    let rows = rows_of(knobs.rows, knobs.columns);
+    let blocks = knobs.columns / 8u;
     let used = select(0u, blocks, group.x < rows.count);
     let first_leaf = tree_row(group.x, blocks);
     let row = row_middle(rows, group.x);

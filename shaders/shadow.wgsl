@@ -1,9 +1,4 @@
-// Casters as the sun sees them. The instance is the partition. No depth bias: the air has no receiver.
-
-@group(1) @binding(0) var<storage, read> attributes: array<Attributes>;
-@group(1) @binding(1) var<storage, read> material_of: array<u32>;
-@group(1) @binding(2) var<storage, read> materials: array<Material>;
-@group(1) @binding(3) var<storage, read> texels: array<u32>;
+// Casters as the light sees them. The instance is the partition, or the face of the cube around a local beam. No depth bias: the air has no receiver.
 
 struct Caster {
     @builtin(position) position: vec4f,
@@ -11,11 +6,16 @@ struct Caster {
     @location(1) @interpolate(flat) triangle: u32,
 }
 
-fn caster(corner: vec3f, part: u32) -> vec4f {
+fn caster(stored: vec3f, part: u32) -> vec4f {
+    let corner = eye_relative(stored);
+    if beam.kind == LOCAL {
+        let at = in_face(corner - beam.position, part);
+        return vec4f(at.x, at.y, at.z - beam.near, at.z);
+    }
     let at = light_coordinates(corner);
-    let map = light.maps[part];
-    let share = (at.xy - map.least) / (map.texel * light.side);
-    let depth = (light.heights.y - at.z) / (light.heights.y - light.heights.x);
+    let map = beam.maps[part];
+    let share = (at.xy - map.least) / (map.texel * beam.side);
+    let depth = (beam.heights.y - at.z) / (beam.heights.y - beam.heights.x);
     return vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, depth, 1.0);
 }
 

@@ -1,19 +1,11 @@
 // Sunlight scattered by the air at sparse places of slices, refined where it bends or depth breaks, and blended for pixels.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-// The numbers of rows, of columns, of slices, of samples a slice; the tolerance; halvings of each border.
-@group(1) @binding(1) var<storage, read> knobs: array<f32>;
-@group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
-// Light [1/sr], negative until it is known, and the depth of the air that it comes from, which ends at a surface (positive) or
-// not (negative); 0 off the tile.
-@group(3) @binding(2) var<storage, read_write> samples: array<vec4f>;
-
 fn is_known(sample: vec4f) -> bool {
     return sample.x >= 0.0;
 }
 
 fn sample_index(slice: u32, number: u32) -> u32 {
-    return slice * (u32(knobs[3]) + 1u) + number;
+    return slice * (knobs.samples + 1u) + number;
 }
 
 // How deep the air of a ray is, with the sign that samples have. Ground that the air lies on ends it too, whichever of the two
@@ -31,11 +23,11 @@ fn likeness(end: f32, other: f32) -> f32 {
 
 // c of a sample; the outermost lie on the borders of what is asked for.
 fn sample_c(rows: Rows, number: u32) -> f32 {
-    return rows.low + 65533.0 / rows.scale * f32(number) / knobs[3];
+    return rows.low + 65533.0 / rows.scale * f32(number) / f32(knobs.samples);
 }
 
 fn sample_row(rows: Rows, slice: u32) -> f32 {
-    return rows.first + (f32(slice) + 0.5) * rows.step * f32(rows.count) / knobs[2];
+    return rows.first + (f32(slice) + 0.5) * rows.step * f32(rows.count) / f32(knobs.slices);
 }
 
 // A sample's ray, in its slice at its own c.
@@ -46,7 +38,7 @@ struct Sample {
 }
 
 fn from_axis_parts(p: vec3f) -> vec3f {
-    return p.x * light.across.xyz + p.y * light.along.xyz + p.z * light.height.xyz;
+    return p.x * beam.across.xyz + p.y * beam.along.xyz + p.z * beam.height.xyz;
 }
 
 fn sample_of(rows: Rows, slice_number: u32, number: u32) -> Sample {
@@ -54,7 +46,7 @@ fn sample_of(rows: Rows, slice_number: u32, number: u32) -> Sample {
     let c = sample_c(rows, number);
     let row = sample_row(rows, slice_number);
     let e = reference_across();
-    if frame.projection == 1u {
+    if tile.projection == ORTHOGRAPHIC {
         // Row and c are coordinates on the camera's plane, along axes at right angles, wherever the sun stands.
         found.direction = rays[0].xyz;
         let d = axis_parts(found.direction);
@@ -75,23 +67,23 @@ fn sample_of(rows: Rows, slice_number: u32, number: u32) -> Sample {
 
 // The pixel in which a sample's ray lies; far beyond the tile where there is none.
 fn pixel_of(sample: Sample) -> vec2i {
-    let d = vec3f(dot(sample.direction, frame.right), dot(sample.direction, frame.up), dot(sample.direction, frame.forward));
+    let d = vec3f(dot(sample.direction, tile.right), dot(sample.direction, tile.up), dot(sample.direction, tile.forward));
     var place = d.xy / d.z;
-    if frame.projection == 1u {
-        place = vec2f(dot(sample.origin, frame.right), dot(sample.origin, frame.up));
-    } else if frame.projection == 2u {
+    if tile.projection == ORTHOGRAPHIC {
+        place = vec2f(dot(sample.origin, tile.right), dot(sample.origin, tile.up));
+    } else if tile.projection == PANORAMA {
         const PI = 3.14159265358979;
         place = vec2f(atan2(d.x, d.z), 2.0 * atan2(d.y, length(d.xz))) / PI;
     } else if d.z <= 1e-6 {
         return vec2i(-1000000);
     }
     // The projection is that of a whole tile.
-    let clip = frame.project.xz * place + frame.project.yw;
-    var at = (0.5 + vec2f(0.5, -0.5) * clip) * frame.tile_size;
-    if frame.projection == 2u {
+    let clip = tile.project.xz * place + tile.project.yw;
+    var at = (0.5 + vec2f(0.5, -0.5) * clip) * tile.whole;
+    if tile.projection == PANORAMA {
         // Once around is the width of the picture.
-        let width = frame.project.x * frame.tile_size.x;
-        at.x -= width * floor((at.x + f32(frame.tile.x)) / width);
+        let width = tile.project.x * tile.whole.x;
+        at.x -= width * floor((at.x + f32(tile.corner.x)) / width);
     }
     return vec2i(floor(clamp(at, vec2f(-1e6), vec2f(1e6))));
 }
@@ -99,15 +91,15 @@ fn pixel_of(sample: Sample) -> vec2i {
 // Every sample's pixel tells where its air ends.
 @compute @workgroup_size(16, 16)
 fn place(@builtin(global_invocation_id) id: vec3u) {
-    let slices = u32(knobs[2]);
+    let slices = knobs.slices;
     if id.y >= slices || !is_asked() {
         return;
     }
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let rows = rows_of(knobs.rows, knobs.columns);
     let sample = sample_of(rows, id.y, id.x);
     var pixel = pixel_of(sample);
     // A pixel beyond the border stands for what its border's pixel shows.
-    let inside = vec2i(frame.extent) - 1;
+    let inside = vec2i(tile.extent) - 1;
     if all(pixel >= vec2i(-2)) && all(pixel <= inside + 2) {
         pixel = clamp(pixel, vec2i(0), inside);
     }
@@ -126,7 +118,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
     }
     samples[sample_index(id.y, id.x)] = vec4f(vec3f(-1.0), end);
     if id.x == 0u {
-        samples[sample_index(id.y, u32(knobs[3]))] = vec4f(0.0);
+        samples[sample_index(id.y, knobs.samples)] = vec4f(0.0);
     }
     report_counts();
 }
@@ -142,8 +134,8 @@ fn sample_light(rows: Rows, slice_number: u32, number: u32) -> vec3f {
     surface.number = select(0u, 2u, end > 0.0);
     surface.distance = select(NO_HIT, air_span(sample.origin, sample.direction).x + end, end > 0.0);
     let span = shaded_span(sample.origin, sample.direction, surface);
-    let row = min(u32((f32(slice_number) + 0.5) * f32(rows.count) / knobs[2]), rows.count - 1u);
-    return scattered_in_row(sample.origin, sample.direction, sample.slice, span, rows, row, u32(knobs[5]));
+    let row = min(u32((f32(slice_number) + 0.5) * f32(rows.count) / f32(knobs.slices)), rows.count - 1u);
+    return scattered_in_row(sample.origin, sample.direction, sample.slice, span, rows, row, knobs.halvings);
 }
 
 // Every sixteenth sample. Neighbouring invocations are neighbours across slices, here and below: at the same angle they do much
@@ -151,10 +143,10 @@ fn sample_light(rows: Rows, slice_number: u32, number: u32) -> vec3f {
 @compute @workgroup_size(8, 8)
 fn seed(@builtin(global_invocation_id) id: vec3u) {
     let number = 16u * id.y;
-    if id.x >= u32(knobs[2]) || number >= u32(knobs[3]) || !is_asked() {
+    if id.x >= knobs.slices || number >= knobs.samples || !is_asked() {
         return;
     }
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let rows = rows_of(knobs.rows, knobs.columns);
     let at = sample_index(id.x, number);
     samples[at] = vec4f(sample_light(rows, id.x, number), samples[at].w);
     report_counts();
@@ -173,7 +165,7 @@ fn goes_on(at: u32) -> bool {
 // straight. One sample an invocation, since some drivers count the turns of all loops of a shader and end them at 65 535.
 fn refine(slice: u32, interval: u32, size: u32) {
     let number = interval * size;
-    if slice >= u32(knobs[2]) || number >= u32(knobs[3]) || !is_asked() {
+    if slice >= knobs.slices || number >= knobs.samples || !is_asked() {
         return;
     }
     let first = sample_index(slice, number);
@@ -184,7 +176,7 @@ fn refine(slice: u32, interval: u32, size: u32) {
         report_counts();
         return;
     }
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let rows = rows_of(knobs.rows, knobs.columns);
     let middle = sample_light(rows, slice, number + half);
     samples[first + half] = vec4f(middle, samples[first + half].w);
     if size > 2u {
@@ -192,7 +184,7 @@ fn refine(slice: u32, interval: u32, size: u32) {
         let b = samples[last];
         count_reads(2u);
         let off = abs(middle - 0.5 * (a.xyz + b.xyz));
-        let most = knobs[4] * max(middle, max(a.xyz, b.xyz));
+        let most = knobs.tolerance * max(middle, max(a.xyz, b.xyz));
         var straight = a.w != 0.0 && b.w != 0.0 && all(off <= most);
         for (var at = first + 1u; at < last && straight; at++) {
             straight = goes_on(at);
@@ -242,16 +234,16 @@ fn unwarp(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let slice = slice_of(origin, direction);
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let rows = rows_of(knobs.rows, knobs.columns);
     let shaded = span.shaded.y > span.shaded.x && !along_light(slice, span.shaded);
     var sum = vec4f(0.0);
     if shaded {
         let end = end_of(span, surface);
-        let line = clamp((slice.row - rows.first) / rows.step * knobs[2] / f32(rows.count) - 0.5, 0.0, knobs[2] - 1.0);
-        let place = clamp((slice.c - rows.low) * rows.scale / 65533.0 * knobs[3], 0.0, knobs[3] - 1.0);
+        let line = clamp((slice.row - rows.first) / rows.step * f32(knobs.slices) / f32(rows.count) - 0.5, 0.0, f32(knobs.slices) - 1.0);
+        let place = clamp((slice.c - rows.low) * rows.scale / 65533.0 * f32(knobs.samples), 0.0, f32(knobs.samples) - 1.0);
         for (var k = 0u; k < 4u; k++) {
             let corner = vec2f(f32(k & 1u), f32(k >> 1u));
-            let at = vec2f(min(floor(line) + corner.x, knobs[2] - 1.0), min(floor(place) + corner.y, knobs[3] - 1.0));
+            let at = vec2f(min(floor(line) + corner.x, f32(knobs.slices) - 1.0), min(floor(place) + corner.y, f32(knobs.samples) - 1.0));
             let near = 1.0 - abs(vec2f(floor(line), floor(place)) + corner - vec2f(line, place));
             let found = samples[sample_index(u32(at.x), u32(at.y))];
             sum += max(near.x, 0.0) * max(near.y, 0.0) * likeness(end, found.w) * vec4f(found.xyz, 1.0);
@@ -262,8 +254,8 @@ fn unwarp(@builtin(global_invocation_id) id: vec3u) {
     // What weighs so little lies to one side of the ray, or is hardly like it.
     if sum.w < 0.5 {
         let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
-        scattered = scattered_in_row(origin, direction, slice, span, rows, row, u32(knobs[5]));
+        scattered = scattered_in_row(origin, direction, slice, span, rows, row, knobs.halvings);
     }
-    inscatter[i] += vec4f(light.illuminance * scattered, 0.0);
+    inscatter_sun[i] += vec4f(beam.strength * scattered, 0.0);
     report_counts();
 }

@@ -1,11 +1,6 @@
 // Sunlight scattered by the air, marched: in even steps over the part of the ray that anything can shade, the middle of a
 // step says whether it is lit; runs of lit steps are integrated in closed form.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-@group(1) @binding(1) var<storage, read_write> inscatter: array<vec4f>;
-// The number of steps; whether they are shifted; halvings of each border.
-@group(1) @binding(2) var<storage, read> knobs: array<f32>;
-
 // Interleaved gradient noise, 0 to 1 (Jimenez 2014).
 fn noise(pixel: vec2u) -> f32 {
     return fract(52.9829189 * fract(dot(vec2f(pixel % 4096u), vec2f(0.06711056, 0.00583715))));
@@ -13,12 +8,12 @@ fn noise(pixel: vec2u) -> f32 {
 
 // Where the ray turns between the middles of two steps.
 fn refined_border(origin: vec3f, direction: vec3f, t: f32, step: f32, lit_behind: bool, shaded: vec2f) -> f32 {
-    let halvings = u32(knobs[2]);
+    let halvings = knobs.halvings;
     count_reads(halvings);
     var ends = clamp(vec2f(t - 0.5 * step, t + 0.5 * step), vec2f(shaded.x), vec2f(shaded.y));
     for (var k = 0u; k < halvings; k++) {
         let middle = 0.5 * (ends.x + ends.y);
-        let lit = sun_reaches(origin + middle * direction);
+        let lit = beam_reaches(origin + middle * direction);
         ends = select(vec2f(middle, ends.y), vec2f(ends.x, middle), lit == lit_behind);
     }
     return 0.5 * (ends.x + ends.y);
@@ -36,11 +31,11 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     if span.air.y <= span.air.x {
         return;
     }
-    begin_runs(origin, direction, span.air);
-    let steps = u32(knobs[0]);
+    begin_runs(origin, direction, span.air, span.sources);
+    let steps = knobs.steps;
     let step = (span.shaded.y - span.shaded.x) / f32(steps);
     // A shifted march has one step more, the first and the last in part.
-    let shift = select(0.0, noise(frame.tile + id.xy), knobs[1] > 0.5);
+    let shift = select(0.0, noise(tile.corner + id.xy), knobs.jitter > 0.5);
     let count = select(0u, steps + u32(shift > 0.0), step > 0.0);
     count_reads(count);
     // Behind the last step all is lit, and the air ends.
@@ -52,7 +47,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
             if k < count {
                 t = max(span.shaded.x + (f32(k) - shift) * step, span.shaded.x);
                 let next = min(span.shaded.x + (f32(k) + 1.0 - shift) * step, span.shaded.y);
-                lit = sun_reaches(origin + 0.5 * (t + next) * direction);
+                lit = beam_reaches(origin + 0.5 * (t + next) * direction);
             } else if k > count {
                 t = span.air.y;
             }
@@ -68,6 +63,6 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
         }
         integrate_runs();
     }
-    inscatter[i] += vec4f(light.illuminance * run_sum, 0.0);
+    inscatter_sun[i] += vec4f(beam.strength * run_sum, 0.0);
     report_counts();
 }

@@ -1,15 +1,5 @@
 // Sunlight scattered by the air, on virtual planes across the view. See src/effect/shafts_planes.rs.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-// The numbers of planes, and of lattice points along a side.
-@group(1) @binding(1) var<storage, read> knobs: array<f32>;
-@group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
-
-// Depths of the nearest and the farthest air that the tile shows, as the bits of numbers not below 0, which have their order.
-@group(3) @binding(0) var<storage, read_write> depths: array<atomic<u32>, 2>;
-// Share of sunlight that comes through to each lattice point and from there to the eye, plane by plane, row by row.
-@group(3) @binding(1) var<storage, read_write> lattice: array<vec4f>;
-
 @compute @workgroup_size(1)
 fn begin() {
     atomicStore(&depths[0], 0xffffffffu);
@@ -18,25 +8,25 @@ fn begin() {
 
 // Depth that a ray gains in a metre. Planes of a panorama are spheres.
 fn depth_rate(direction: vec3f) -> f32 {
-    return select(1.0, dot(direction, frame.forward), frame.projection == 0u);
+    return select(1.0, dot(direction, tile.forward), tile.projection == PERSPECTIVE);
 }
 
 // Light from behind such an optical depth is not seen: e^-9 of it comes through.
 const DEEPEST = 9.0;
 
-fn is_seen(origin: vec3f, direction: vec3f, t: f32) -> bool {
-    return any(optical_depth(origin, direction, t) < vec3f(DEEPEST));
+fn is_seen(origin: vec3f, direction: vec3f, t: f32, sources: u32) -> bool {
+    return any(optical_depth(origin, direction, t, sources) < vec3f(DEEPEST));
 }
 
 // How far into the air a ray sees: a level one may have a million kilometres of it.
-fn seen_end(origin: vec3f, direction: vec3f, air: vec2f) -> f32 {
-    if is_seen(origin, direction, air.y) {
+fn seen_end(origin: vec3f, direction: vec3f, air: vec2f, sources: u32) -> f32 {
+    if is_seen(origin, direction, air.y, sources) {
         return air.y;
     }
     var ends = air;
     for (var k = 0u; k < 32u; k++) {
         let middle = 0.5 * (ends.x + ends.y);
-        ends = select(vec2f(ends.x, middle), vec2f(middle, ends.y), is_seen(origin, direction, middle));
+        ends = select(vec2f(ends.x, middle), vec2f(middle, ends.y), is_seen(origin, direction, middle, sources));
     }
     return ends.y;
 }
@@ -48,11 +38,12 @@ fn measure(@builtin(global_invocation_id) id: vec3u) {
     }
     let origin = ray_origin(id);
     let direction = ray_direction(id);
-    let air = shaded_span(origin, direction, surfaces[pixel_index(id)]).air;
+    let span = shaded_span(origin, direction, surfaces[pixel_index(id)]);
+    let air = span.air;
     if air.y <= air.x {
         return;
     }
-    let depth = vec2f(air.x, seen_end(origin, direction, air)) * depth_rate(direction);
+    let depth = vec2f(air.x, seen_end(origin, direction, air, span.sources)) * depth_rate(direction);
     atomicMin(&depths[0], bitcast<u32>(depth.x));
     atomicMax(&depths[1], bitcast<u32>(depth.y));
 }
@@ -67,35 +58,35 @@ struct Planes {
 fn all_planes() -> Planes {
     let first = bitcast<f32>(atomicLoad(&depths[0]));
     let last = bitcast<f32>(atomicLoad(&depths[1]));
-    return Planes(u32(knobs[0]), first, (last - first) / knobs[0]);
+    return Planes(knobs.planes, first, (last - first) / f32(knobs.planes));
 }
 
 // Lattice points of a plane, as far as there are pixels between them.
 fn lattice_size() -> vec2u {
-    return min(vec2u(u32(knobs[1])), frame.extent);
+    return min(vec2u(knobs.lattice), tile.extent);
 }
 
 // A lattice point's place in pixels; the first and the last stand at the tile's outermost pixels.
 fn lattice_place(point: vec2u) -> vec2f {
-    return vec2f(point) * vec2f(frame.extent - 1u) / max(vec2f(lattice_size() - 1u), vec2f(1.0));
+    return vec2f(point) * vec2f(tile.extent - 1u) / max(vec2f(lattice_size() - 1u), vec2f(1.0));
 }
 
 fn lattice_origin(point: vec2u) -> vec3f {
-    if frame.projection != 1u {
+    if tile.projection != ORTHOGRAPHIC {
         return vec3f(0.0);
     }
     let place = lattice_place(point);
-    return frame.origin + place.x * frame.origin_right + place.y * frame.origin_down;
+    return tile.origin + place.x * tile.origin_right + place.y * tile.origin_down;
 }
 
 // Between pixels that stand side by side a ray is between theirs.
 fn lattice_direction(point: vec2u) -> vec3f {
     let place = lattice_place(point);
-    let least = min(vec2u(place), frame.extent - 1u);
-    let greatest = min(least + 1u, frame.extent - 1u);
+    let least = min(vec2u(place), tile.extent - 1u);
+    let greatest = min(least + 1u, tile.extent - 1u);
     let share = place - vec2f(least);
-    let above = mix(rays[least.y * frame.extent.x + least.x].xyz, rays[least.y * frame.extent.x + greatest.x].xyz, share.x);
-    let below = mix(rays[greatest.y * frame.extent.x + least.x].xyz, rays[greatest.y * frame.extent.x + greatest.x].xyz, share.x);
+    let above = mix(rays[least.y * tile.extent.x + least.x].xyz, rays[least.y * tile.extent.x + greatest.x].xyz, share.x);
+    let below = mix(rays[greatest.y * tile.extent.x + least.x].xyz, rays[greatest.y * tile.extent.x + greatest.x].xyz, share.x);
     return normalize(mix(above, below, share.y));
 }
 
@@ -116,7 +107,7 @@ fn weigh(@builtin(global_invocation_id) id: vec3u) {
     let origin = lattice_origin(point);
     let direction = lattice_direction(point);
     let t = (planes.first + (f32(id.y) + 0.5) * planes.spacing) / depth_rate(direction);
-    let depth = optical_depth(origin, direction, t) + sun_optical_depth(origin + t * direction, light.toward);
+    let depth = optical_depth(origin, direction, t, ALL_MEDIA) + sun_optical_depth(origin + t * direction, beam.toward);
     lattice[lattice_index(id.y, point)] = vec4f(exp(-depth), 0.0);
 }
 
@@ -129,7 +120,7 @@ struct Cell {
 
 fn cell_of(pixel: vec2u) -> Cell {
     let last = lattice_size() - 1u;
-    let place = vec2f(pixel) * vec2f(last) / max(vec2f(frame.extent - 1u), vec2f(1.0));
+    let place = vec2f(pixel) * vec2f(last) / max(vec2f(tile.extent - 1u), vec2f(1.0));
     let least = min(vec2u(place), last);
     return Cell(least, min(least + 1u, last), place - vec2f(least));
 }
@@ -175,19 +166,19 @@ fn integrate(@builtin(global_invocation_id) id: vec3u) {
     let cell = cell_of(id.xy);
     var one_minus_mu: vec4f;
     for (var k = 0u; k < 4u; k++) {
-        let apart = lattice_direction(corner(cell, k)) - light.toward;
+        let apart = lattice_direction(corner(cell, k)) - beam.toward;
         one_minus_mu[k] = 0.5 * dot(apart, apart);
     }
     var sum = vec3f(0.0);
-    for (var group = 0u; group < frame.media; group += TOGETHER) {
-        let count = min(frame.media - group, TOGETHER);
+    for (var group = 0u; group < tile.media; group += TOGETHER) {
+        let count = min(tile.media - group, TOGETHER);
         var source: array<vec3f, TOGETHER>;
         var within: array<vec2f, TOGETHER>;
         for (var m = 0u; m < count; m++) {
             let medium = media[group + m];
             var corners: mat4x3f;
             for (var k = 0u; k < 4u; k++) {
-                corners[k] = source_of(medium, one_minus_mu[k]);
+                corners[k] = source_of(medium, one_minus_mu[k], span.sources);
             }
             source[m] = between(cell, corners);
             within[m] = span.air;
@@ -203,7 +194,7 @@ fn integrate(@builtin(global_invocation_id) id: vec3u) {
             let middle = 0.5 * (from_t + to);
             let open = middle <= span.shaded.x || middle >= span.shaded.y;
             count_reads(select(1u, 0u, open));
-            if open || sun_reaches(origin + middle * direction) {
+            if open || beam_reaches(origin + middle * direction) {
                 var sent = vec3f(0.0);
                 for (var m = 0u; m < count; m++) {
                     var length = clamp(min(to, within[m].y) - max(from_t, within[m].x), 0.0, FARTHEST);
@@ -217,6 +208,6 @@ fn integrate(@builtin(global_invocation_id) id: vec3u) {
             from_t = to;
         }
     }
-    inscatter[i] += vec4f(light.illuminance * sum, 0.0);
+    inscatter_sun[i] += vec4f(beam.strength * sum, 0.0);
     report_counts();
 }

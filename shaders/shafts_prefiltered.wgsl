@@ -1,23 +1,16 @@
 // Sunlight scattered by the air from prefix sums of rows: how many columns up to a place are lit, for some values of c.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-// The numbers of rows, of columns, of thresholds, and of parts of a ray.
-@group(1) @binding(1) var<storage, read> knobs: array<f32>;
-@group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
-// Lit columns before every eighth, row by row, place by place: for a threshold (low half) and the next (high half).
-@group(3) @binding(2) var<storage, read_write> sums: array<u32>;
-
 // The value in 16 bits of a threshold; 65535 is dark for all rays.
 fn threshold_at(k: u32) -> f32 {
-    return 65534.0 * f32(k) / (knobs[2] - 1.0);
+    return 65534.0 * f32(k) / f32(knobs.thresholds - 1u);
 }
 
 // Each invocation sums one threshold over a row.
 @compute @workgroup_size(64)
 fn sum_rows(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
-    let blocks = u32(knobs[1]) / 8u;
-    let thresholds = u32(knobs[2]);
-    if group.x >= rows_of(u32(knobs[0]), u32(knobs[1])).count {
+    let blocks = knobs.columns / 8u;
+    let thresholds = knobs.thresholds;
+    if group.x >= rows_of(knobs.rows, knobs.columns).count {
         return;
     }
     for (var k = local; k < thresholds; k += 64u) {
@@ -40,8 +33,8 @@ fn sum_rows(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index
 
 // Lit columns before a place (in leaves) of a row for a value of c (in thresholds).
 fn lit_before(row: u32, place: f32, value: f32) -> f32 {
-    let blocks = u32(knobs[1]) / 8u;
-    let thresholds = u32(knobs[2]);
+    let blocks = knobs.columns / 8u;
+    let thresholds = knobs.thresholds;
     let k = min(u32(value), thresholds - 1u);
     let block = u32(place);
     let at = (row * (blocks + 1u) + block) * thresholds + k;
@@ -71,10 +64,10 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let slice = slice_of(origin, direction);
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let rows = rows_of(knobs.rows, knobs.columns);
     let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
-    let value = clamp(1.0 + (slice.c - rows.low) * rows.scale, 0.0, 65534.0) * (knobs[2] - 1.0) / 65534.0;
+    let value = clamp(1.0 + (slice.c - rows.low) * rows.scale, 0.0, 65534.0) * f32(knobs.thresholds - 1u) / 65534.0;
     let places = f32(rows.columns) / 8.0;
     let from_place = clamp(place_of(rows, slice.start + span.shaded.x * slice.sine) * places, 0.0, places);
     let to_place = clamp(place_of(rows, slice.start + span.shaded.y * slice.sine) * places, from_place, places);
@@ -84,8 +77,8 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
         turn_distance = turn_along_light(slice, span.shaded);
     }
     // A ray along the light has two parts, a dark one and a lit one.
-    let parts = select(u32(knobs[3]), 2u, along);
-    begin_runs(origin, direction, span.air);
+    let parts = select(knobs.blocks, 2u, along);
+    begin_runs(origin, direction, span.air, span.sources);
     var sum = vec3f(0.0);
     var place = from_place;
     var before = 0.0;
@@ -132,6 +125,6 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
             t = end;
         }
     }
-    inscatter[i] += vec4f(light.illuminance * sum, 0.0);
+    inscatter_sun[i] += vec4f(beam.strength * sum, 0.0);
     report_counts();
 }

@@ -1,10 +1,5 @@
 // Sunlight scattered by the air between the exact borders of light and shadow that a row of the rectified map holds.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-// The numbers of rows, of columns, of rows that a pixel reads, and of halvings of each border.
-@group(1) @binding(1) var<storage, read> knobs: array<f32>;
-@group(1) @binding(2) var<storage, read_write> inscatter: array<vec4f>;
-
 @compute @workgroup_size(8, 8)
 fn integrate(@builtin(global_invocation_id) id: vec3u) {
     if !inside_tile(id) {
@@ -18,17 +13,17 @@ fn integrate(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let slice = slice_of(origin, direction);
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let rows = rows_of(knobs.rows, knobs.columns);
     let place = (slice.row - rows.first) / rows.step;
     // Two rows share by the pixel's place between their middles.
-    let blended = knobs[2] > 1.5;
+    let blended = knobs.blend > 1u;
     let between = clamp(select(floor(place), place - 0.5, blended), 0.0, f32(rows.count - 1u));
     let share = fract(between);
     var sum = vec3f(0.0);
     for (var k = 0u; k < select(1u, 2u, share > 0.0); k++) {
         sum += abs(1.0 - f32(k) - share) * scattered_in_row(origin, direction, slice, span, rows, u32(between) + k,
-                                                                u32(knobs[3]));
+                                                                knobs.halvings);
     }
-    inscatter[i] += vec4f(light.illuminance * sum, 0.0);
+    inscatter_sun[i] += vec4f(beam.strength * sum, 0.0);
     report_counts();
 }

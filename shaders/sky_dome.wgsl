@@ -1,7 +1,4 @@
-// The sky behind everything, from the table of common/sky_table.wgsl, which is the third binding.
-
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-@group(1) @binding(1) var<storage, read_write> background: array<vec4f>;
+// The sky behind everything.
 
 @compute @workgroup_size(8, 8)
 fn shine(@builtin(global_invocation_id) id: vec3u) {

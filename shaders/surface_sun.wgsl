@@ -1,22 +1,19 @@
 // Sunlight on surfaces, shadows filtered over four texels. Each texel is compared with the height of the receiver's own
 // plane at the texel's centre, so that a plane never shades itself; the bias clears what stands on the plane within a texel.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-@group(1) @binding(1) var<storage, read_write> sun: array<vec4f>;
-
 fn lit_share(p: vec3f, facet: vec3f) -> f32 {
     let at = light_coordinates(p);
-    if any(at.xy < light.casters.xy) || any(at.xy > light.casters.zw) {
+    if any(at.xy < beam.casters.xy) || any(at.xy > beam.casters.zw) {
         return 1.0;
     }
     let k = covering(at.xy, 1.0);
-    if k == light.partitions {
+    if k == beam.partitions {
         return 1.0;
     }
-    let map = light.maps[k];
-    let n = vec3f(dot(light.across.xyz, facet), dot(light.along.xyz, facet), dot(light.height.xyz, facet));
+    let map = beam.maps[k];
+    let n = vec3f(dot(beam.across.xyz, facet), dot(beam.along.xyz, facet), dot(beam.height.xyz, facet));
     let slope = -n.xy / max(n.z, 1e-3);
-    let bias = 2.0 * max(map.texel.x, map.texel.y) * (1.0 + length(slope)) + 4e-7 * (abs(light.heights.x) + abs(light.heights.y));
+    let bias = 2.0 * max(map.texel.x, map.texel.y) * (1.0 + length(slope)) + 4e-7 * (abs(beam.heights.x) + abs(beam.heights.y));
     let q = (at.xy - map.least) / map.texel - 0.5;
     let base = floor(q);
     let f = q - base;
@@ -39,8 +36,8 @@ fn light_surfaces(@builtin(global_invocation_id) id: vec3u) {
     }
     let i = pixel_index(id);
     let surface = surfaces[i];
-    let cosine = dot(surface.normal, light.toward);
-    if surface.number == 0u || cosine <= 0.0 || dot(surface.facet, light.toward) <= 0.0 {
+    let cosine = dot(surface.normal, beam.toward);
+    if surface.number == 0u || cosine <= 0.0 || dot(surface.facet, beam.toward) <= 0.0 {
         return;
     }
     let p = ray_origin(id) + surface.distance * ray_direction(id);
@@ -48,6 +45,6 @@ fn light_surfaces(@builtin(global_invocation_id) id: vec3u) {
     if share == 0.0 {
         return;
     }
-    let depth = sun_optical_depth(p, light.toward);
-    sun[i] += vec4f(surface.albedo / 3.14159265358979 * light.illuminance * cosine * share * exp(-depth), 0.0);
+    let depth = sun_optical_depth(p, beam.toward);
+    sun[i] += vec4f(surface.albedo / 3.14159265358979 * beam.strength * cosine * share * exp(-depth), 0.0);
 }

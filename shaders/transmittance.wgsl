@@ -1,8 +1,5 @@
 // Light let through between the end of each ray and the eye.
 
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-@group(1) @binding(1) var<storage, read_write> transmittance: array<vec4f>;
-
 @compute @workgroup_size(8, 8)
 fn attenuate(@builtin(global_invocation_id) id: vec3u) {
     if !inside_tile(id) {
@@ -13,5 +10,5 @@ fn attenuate(@builtin(global_invocation_id) id: vec3u) {
     let surface = surfaces[pixel_index(id)];
     // Air that a surface lies behind attenuates its light beyond the end of rays that meet nothing, too.
     let end = select(surface.distance, ray_end(surface, origin, direction), surface.number == 0u);
-    transmittance[pixel_index(id)] = vec4f(exp(-optical_depth(origin, direction, end)), 0.0);
+    transmittance[pixel_index(id)] = vec4f(exp(-optical_depth(origin, direction, end, sources_of(surface))), 0.0);
 }

@@ -1,24 +1,16 @@
 // The first surface on each ray: triangles are drawn for their numbers, then the ray itself is cut with the triangle that
 // was found, so that distance and normal have the ray's precision and not the rasteriser's.
 
-@group(1) @binding(0) var<storage, read> attributes: array<Attributes>;
-@group(1) @binding(1) var<storage, read> material_of: array<u32>;
-@group(1) @binding(2) var<storage, read> materials: array<Material>;
-@group(1) @binding(3) var<storage, read> texels: array<u32>;
-// Only `resolve` sees these.
-@group(1) @binding(4) var<storage, read> corners: array<f32>;
-@group(1) @binding(5) var numbers: texture_2d<u32>;
-@group(1) @binding(6) var<storage, read_write> surfaces: array<Surface>;
-
-fn projected(corner: vec3f) -> vec4f {
-    let x = dot(corner, frame.right);
-    let y = dot(corner, frame.up);
-    let z = dot(corner, frame.forward);
-    if frame.projection == 1u {
-        return vec4f(frame.project.x * x + frame.project.y, frame.project.z * y + frame.project.w, 1.0 - z * frame.depth, 1.0);
+fn projected(stored: vec3f) -> vec4f {
+    let corner = eye_relative(stored);
+    let x = dot(corner, tile.right);
+    let y = dot(corner, tile.up);
+    let z = dot(corner, tile.forward);
+    if tile.projection == ORTHOGRAPHIC {
+        return vec4f(tile.project.x * x + tile.project.y, tile.project.z * y + tile.project.w, 1.0 - z * tile.depth, 1.0);
     }
     // Depth is reversed: near over z keeps its digits at any distance.
-    return vec4f(frame.project.x * x + frame.project.y * z, frame.project.z * y + frame.project.w * z, frame.depth, z);
+    return vec4f(tile.project.x * x + tile.project.y * z, tile.project.z * y + tile.project.w * z, tile.depth, z);
 }
 
 struct Solid {
@@ -58,7 +50,7 @@ fn picture_cut_fragment(in: CutOut) -> @location(0) u32 {
 }
 
 fn corner(index: u32) -> vec3f {
-    return vec3f(corners[3u * index], corners[3u * index + 1u], corners[3u * index + 2u]);
+    return eye_relative(vec3f(corners[3u * index], corners[3u * index + 1u], corners[3u * index + 2u]));
 }
 
 fn srgb_decode(encoded: f32) -> f32 {
@@ -103,7 +95,7 @@ fn met_triangle(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
         let encoded = vec3f(f32(texel & 255u), f32((texel >> 8u) & 255u), f32((texel >> 16u) & 255u)) / 255.0;
         color *= vec3f(srgb_decode(encoded.x), srgb_decode(encoded.y), srgb_decode(encoded.z));
     }
-    surface.albedo = max(frame.working_from_rec709 * color, vec3f(0.0));
+    surface.albedo = max(tile.working_from_rec709 * color, vec3f(0.0));
     return surface;
 }
 
@@ -120,13 +112,13 @@ fn resolve(@builtin(global_invocation_id) id: vec3u) {
     if number > 0u {
         surface = met_triangle(number - 1u, origin, direction);
     } else {
-        let height = frame.ground.w + origin.y;
-        if frame.grounded != 0u && direction.y < 0.0 && height > 0.0 {
+        let height = tile.ground.w + origin.y;
+        if tile.grounded != 0u && direction.y < 0.0 && height > 0.0 {
             surface.number = 1u;
             surface.distance = min(height / -direction.y, NO_HIT);
             surface.normal = vec3f(0.0, 1.0, 0.0);
             surface.facet = surface.normal;
-            surface.albedo = frame.ground.xyz;
+            surface.albedo = tile.ground.xyz;
         }
     }
     surfaces[pixel_index(id)] = surface;

@@ -51,6 +51,9 @@ pub enum Error {
         /// What the user can do.
         remedy: String,
     },
+    /// The work was stopped by whoever had asked for it.
+    #[error("the work was stopped before it was done; start it again")]
+    Stopped,
 }
 
 impl Error {
@@ -112,7 +115,7 @@ impl Error {
     pub fn is_input(&self) -> bool {
         !matches!(
             self,
-            Error::Failed { .. } | Error::File { writing: true, .. }
+            Error::Failed { .. } | Error::Stopped | Error::File { writing: true, .. }
         )
     }
 
@@ -127,6 +130,7 @@ impl Error {
             } => format!("{quantity} is {value}, outside {valid}"),
             Error::Input { place, problem, .. } => format!("{place}: {problem}"),
             Error::File { .. } => self.to_string(),
+            Error::Stopped => "the work was stopped before it was done".into(),
             Error::Failed { problem, .. } => problem.clone(),
         }
     }
@@ -137,6 +141,7 @@ impl Error {
             Error::Domain { remedy, .. }
             | Error::Input { remedy, .. }
             | Error::Failed { remedy, .. } => remedy.clone(),
+            Error::Stopped => "start it again".into(),
             Error::File { writing: true, .. } => {
                 "check that the folder exists, may be written and has room".into()
             }

@@ -5,14 +5,15 @@
 //! A [`Scene`](scene::Scene) is what the user says: triangles, materials, a camera, a place and a time, media.
 //! [`Conditions`](conditions::Conditions) are what physics makes of it: the sun's place and light, the sky, the air, all inside the
 //! domains of their equations. A [`Plan`](plan::Plan) asks every [`Effect`](effect::Effect) whether the scene calls for it, why,
-//! and what would be missing without it. A backend runs the plan: the [`Reference`](reference::Reference) in f64 on the CPU, exact
-//! and slow, or the [`gpu`]. What comes out is a [`Frame`](frame::Frame): layers in cd/m2 and the record of how they came about,
+//! and what would be missing without it. A [`Backend`](backend::Backend) runs the plan: the
+//! [`Reference`](backend::reference::Reference) in f64 on the CPU, exact and slow, or a [`Gpu`](backend::gpu::Gpu). What comes out is
+//! a [`Frame`](frame::Frame): layers in cd/m2 and the record of how they came about,
 //! which [`output`] writes to files.
 //!
 //! ```
+//! use tyndall::backend::{Backend, Limits, Wanted};
 //! use tyndall::conditions::{Conditions, Request};
 //! use tyndall::plan::{Overrules, Plan};
-//! use tyndall::reference::Reference;
 //! use tyndall::scene::Scene;
 //!
 //! # fn main() -> tyndall::Result<()> {
@@ -20,7 +21,9 @@
 //! let request = Request { size: Some([24, 15]), samples: Some(1), ..Request::default() };
 //! let conditions = Conditions::new(scene, &request)?;
 //! let plan = Plan::new(&conditions, &Overrules::default())?;
-//! let picture = Reference::new(&plan).render(1 << 30, &|share| eprintln!("{:.0} %", 100.0 * share))?;
+//! let mut backend = Backend::open(Wanted::Reference)?;
+//! let progress = |share: f64| eprintln!("{:.0} %", 100.0 * share);
+//! let picture = backend.render(&plan, &Limits::default(), &progress)?;
 //! assert!(picture.frame.layer("inscatter_sun").is_some(), "there are light shafts in it");
 //! # Ok(())
 //! # }
@@ -33,18 +36,20 @@
 //! | module | what |
 //! |---|---|
 //! | [`units`], [`error`] | the unit rule; one error: what was wrong, where, the valid range, what to do |
+//! | [`beam`] | light from a direction or a place, which shadows and scattering go by |
 //! | [`colour`] | spectra, CIE 1931, RGB spaces, exposure, display transform |
 //! | [`ephemeris`] | where the sun is, at four prices; times and zones as people write them |
 //! | [`sky`] | sky models, twilight, the sun's light, dome patches |
 //! | [`medium`] | phase functions, densities, optical depth and its integrals |
 //! | [`scene`] | geometry, materials, cameras, loading, what stands in the way of light |
-//! | [`frame`] | what a backend makes |
-//! | [`conditions`] | scene and time become physics; the one place where domains are checked |
+//! | [`frame`] | what a backend makes, and the one table of fields and layers |
+//! | [`accuracy`] | how far numbers are from the truth |
+//! | [`conditions`] | scene, time and view become physics; the one place where domains are checked |
 //! | [`effect`] | one file an effect: equations, decision, reference, passes |
 //! | [`plan`] | which effects run, and why not the others |
-//! | [`reference`], [`gpu`] | the backends |
+//! | [`backend`] | a GPU or the reference: rendering, checking, choosing by error or time |
 //! | [`output`] | EXR, PNG, HDR, JSON |
-//! | [`accuracy`], [`studies`] | how far a picture is from the reference; what accuracy costs |
+//! | [`studies`] | what accuracy costs |
 //!
 //! # How to add an effect
 //!
@@ -57,17 +62,17 @@
 //! white D65, and photometric: their luminance is in cd/m2, or their illuminance in lux. Physics on the CPU is f64.
 
 pub mod accuracy;
+pub mod backend;
+pub mod beam;
 pub mod colour;
 pub mod conditions;
 pub mod effect;
 pub mod ephemeris;
 pub mod error;
 pub mod frame;
-pub mod gpu;
 pub mod medium;
 pub mod output;
 pub mod plan;
-pub mod reference;
 pub mod scene;
 pub mod sky;
 pub mod studies;

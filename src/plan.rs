@@ -1,8 +1,12 @@
 //! The plan: which effects a scene calls for, why not the others, and with which settings.
+//!
+//! A plan also checks its flow: an effect whose fields nobody writes is left out, one that no effect before it could serve is
+//! refused, and so is one whose passes do not name what it says that it reads and writes.
 
 use crate::conditions::Conditions;
-use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method};
+use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Over, Resource, When};
 use crate::error::{Error, Result, nearest};
+use crate::frame::Part;
 use glam::DVec2;
 
 /// How much accuracy is paid for.
@@ -85,6 +89,23 @@ impl<'c> Plan<'c> {
     /// forced and left out, and for forcing one that the scene gives nothing to do; [`Error::Domain`] for a knob's value
     /// outside its range.
     pub fn new(conditions: &'c Conditions, overrules: &Overrules) -> Result<Self> {
+        Self::with(conditions, overrules, ALL)
+    }
+
+    /// The same with other effects than [`ALL`], in the order in which they run: for who brings effects of their own.
+    ///
+    /// # Errors
+    /// Those of [`Plan::new`]; [`Error::Failed`] for effects that do not fit together: one that reads what no effect before it
+    /// writes, or whose passes do not name what it reads and writes.
+    pub fn with(
+        conditions: &'c Conditions,
+        overrules: &Overrules,
+        effects: &[&'static Effect],
+    ) -> Result<Self> {
+        for (place, effect) in effects.iter().enumerate() {
+            check_flow(effect, &effects[..place])?;
+        }
+        let find = |name: &str| find(effects, name);
         for name in overrules.force.iter().chain(&overrules.without) {
             find(name)?;
         }
@@ -105,9 +126,9 @@ impl<'c> Plan<'c> {
             .position(|q| *q == overrules.quality)
             .expect("all qualities are listed");
         let method = overrules.method.unwrap_or(Method::Rectified);
-        let mut steps = Vec::with_capacity(ALL.len());
-        for &effect in ALL {
-            let mut decision = (effect.decide)(conditions);
+        let mut steps: Vec<Step> = Vec::with_capacity(effects.len());
+        for &effect in effects {
+            let mut decision = decide(effect, conditions);
             if let Contribution::Bound(bound) = decision.contribution
                 && decision.run
                 && bound < tolerance * conditions.typical_luminance()
@@ -142,6 +163,11 @@ impl<'c> Plan<'c> {
                 decision.reason = format!("forced by --force; {}", decision.reason);
                 decision.run = true;
             }
+            if let Some(reason) = unserved(effect, &steps)
+                && decision.run
+            {
+                decision = Decision::nothing(reason);
+            }
             let settings = effect
                 .knobs
                 .iter()
@@ -173,8 +199,9 @@ impl<'c> Plan<'c> {
                 "for example --set shafts.suns=16",
             )
         })?;
-        find(name)?;
-        let called = || ALL.iter().filter(|effect| effect.is_called(name));
+        let effects: Vec<&'static Effect> = self.steps.iter().map(|step| step.effect).collect();
+        find(&effects, name)?;
+        let called = || effects.iter().filter(|effect| effect.is_called(name));
         let known = called()
             .flat_map(|effect| effect.knobs)
             .find(|k| k.name == knob)
@@ -224,12 +251,14 @@ impl<'c> Plan<'c> {
     }
 }
 
-fn find(name: &str) -> Result<&'static Effect> {
-    ALL.iter()
+fn find(effects: &[&'static Effect], name: &str) -> Result<&'static Effect> {
+    effects
+        .iter()
         .copied()
         .find(|effect| effect.is_called(name))
         .ok_or_else(|| {
-            let remedy = match nearest(name, ALL.iter().map(|e| e.name).chain(["shafts"])) {
+            let names = effects.iter().map(|e| e.name).chain(["shafts"]);
+            let remedy = match nearest(name, names) {
                 Some(near) => format!("did you mean `{near}`? (`tyndall plan` lists them)"),
                 None => "`tyndall plan` lists them".into(),
             };
@@ -239,6 +268,117 @@ fn find(name: &str) -> Result<&'static Effect> {
                 remedy,
             )
         })
+}
+
+/// What an effect decides; of points that receive light, only what lights surfaces has anything to do.
+fn decide(effect: &Effect, conditions: &Conditions) -> Decision {
+    let seen = |field: &Field| matches!(field.part(), Part::Behind | Part::Air | Part::Share);
+    let made = effect.writes.iter().chain(effect.alters);
+    if conditions.view.points().is_some() && made.clone().any(seen) {
+        return Decision::nothing("points receive light, and see nothing");
+    }
+    (effect.decide)(conditions)
+}
+
+/// Why an effect cannot run after those steps: a field that it reads is not made.
+fn unserved(effect: &Effect, before: &[Step]) -> Option<String> {
+    let missing = effect.reads.iter().find(|field| {
+        let mut running = before.iter().filter(|step| step.decision.run);
+        !running.any(|step| step.effect.writes.contains(field))
+    })?;
+    Some(format!("nothing makes `{}`", missing.name()))
+}
+
+/// Whether an effect fits behind others, and its passes fit it.
+fn check_flow(effect: &Effect, before: &[&'static Effect]) -> Result<()> {
+    let defect = |problem: String| {
+        Err(Error::failed(
+            format!("the effect `{}` {problem}", effect.name),
+            "mend the effect, or the order of the effects: the documentation of the module `effect` says how they fit together",
+        ))
+    };
+    for field in effect.reads {
+        if !before.iter().any(|other| other.writes.contains(field)) {
+            return defect(format!(
+                "reads `{}`, which no effect before it writes",
+                field.name()
+            ));
+        }
+    }
+    let lit = |pass: &&crate::effect::Pass| matches!(pass.when, When::EachBeam(_));
+    if effect.passes.iter().any(|pass| lit(&pass))
+        && !effect.draws_maps()
+        && !before.iter().any(|other| other.draws_maps())
+    {
+        return defect(
+            "has passes for each beam, but no effect up to it draws the maps of beams".into(),
+        );
+    }
+    if effect.passes.is_empty() {
+        return Ok(());
+    }
+    let (mut read, mut updated) = (Vec::new(), Vec::new());
+    for pass in effect.passes {
+        if let Over::Fields(fields) = pass.over {
+            updated.extend(fields);
+        }
+        for resource in pass.uses {
+            match resource {
+                Resource::Read(field) => read.push(*field),
+                Resource::Update(field) => updated.push(*field),
+                Resource::Use(product) => {
+                    let made = effect.passes.iter().flat_map(|pass| pass.uses).any(
+                        |other| matches!(other, Resource::Make(made) if made.name == product.name),
+                    );
+                    if !made {
+                        return defect(format!(
+                            "uses `{}`, which none of its passes makes",
+                            product.name
+                        ));
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    let changed = |field: &Field| effect.writes.contains(field) || effect.alters.contains(field);
+    if let Some(field) = read
+        .iter()
+        .find(|field| !effect.reads.contains(field) && !changed(field))
+    {
+        return defect(format!(
+            "does not say that it reads `{}`, as one of its passes does",
+            field.name()
+        ));
+    }
+    if let Some(field) = updated.iter().find(|field| !changed(field)) {
+        return defect(format!(
+            "does not say that it writes or alters `{}`, as one of its passes does",
+            field.name()
+        ));
+    }
+    if let Some(field) = effect
+        .reads
+        .iter()
+        .find(|field| !read.contains(field) && !updated.contains(field))
+    {
+        return defect(format!(
+            "says that it reads `{}`, and none of its passes does",
+            field.name()
+        ));
+    }
+    if let Some(field) = effect
+        .writes
+        .iter()
+        .chain(effect.alters)
+        .find(|field| !updated.contains(field))
+    {
+        return defect(format!(
+            "says that it writes or alters `{}`, and none of its passes does",
+            field.name()
+        ));
+    }
+    Ok(())
 }
 
 /// Where rays go through a pixel of side 1: its centre for one, else a rank-1 lattice by the golden ratio, the same in every

@@ -301,7 +301,11 @@ fn at_every_pixel(conditions: &Conditions, what: &str, expected: impl Fn(DVec3) 
     for (i, got) in layer(&frame, Field::InscatterSun).iter().enumerate() {
         let (x, y) = (i as u32 % frame.width, i as u32 / frame.width);
         let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let r = conditions.camera.ray(at, conditions.size).direction;
+        let r = conditions
+            .view
+            .camera
+            .ray(at, conditions.view.size)
+            .direction;
         let expected = expected(r);
         let error = (got.x / expected - 1.0).abs();
         assert!(

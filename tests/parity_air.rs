@@ -432,7 +432,7 @@ fn error_against(frame: &Frame, conditions: &Conditions) -> f64 {
     for (i, got) in found.iter().enumerate() {
         let (x, y) = (i as u32 % frame.width, i as u32 / frame.width);
         let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let ray = conditions.camera.ray(at, conditions.size);
+        let ray = conditions.view.camera.ray(at, conditions.view.size);
         let air = &conditions.air;
         let end = air
             .end(ray.origin, ray.direction)

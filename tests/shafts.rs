@@ -470,7 +470,7 @@ fn a_far_slit_has_the_edges_of_the_suns_disc() {
         let off: Vec<f64> = (0..size[1] as usize)
             .map(|y| {
                 let at = DVec2::new(4.5, y as f64 + 0.5);
-                let ray = conditions.camera.ray(at, size);
+                let ray = conditions.view.camera.ray(at, size);
                 // The middle of the fog along the ray: rays run down nearly straight.
                 let middle = ray.origin + 60.0 / -ray.direction.y * ray.direction;
                 let throw = (500.0 - middle.x) / 5f64.to_radians().cos();

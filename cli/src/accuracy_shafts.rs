@@ -105,7 +105,7 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
         };
         let study = Study {
             scene,
-            size: conditions.size,
+            size: conditions.view.size,
             by_time: front(milliseconds),
             by_reads: front(reads),
             truth,

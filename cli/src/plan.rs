@@ -43,7 +43,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         }
         return stdout::print_json(&json!({
             "schema": 1,
-            "size": conditions.size,
+            "size": conditions.view.size,
             "tolerance": plan.tolerance,
             "typical_luminance_cd_per_m2": conditions.typical_luminance(),
             "effects": steps,
@@ -97,8 +97,8 @@ pub fn run(args: &PlanCommand) -> Result<()> {
     let total: f64 = seconds.iter().map(|s| s.time.as_secs_f64()).sum();
     text += &format!(
         "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what surely adds less than {} of {:.0} cd/m2\n",
-        conditions.size[0],
-        conditions.size[1],
+        conditions.view.size[0],
+        conditions.view.size[1],
         rayon::current_num_threads(),
         plan.tolerance,
         conditions.typical_luminance(),

@@ -17,9 +17,9 @@ pub fn conditions(conditions: &Conditions) {
     for (label, text) in conditions.lines() {
         line(label, text);
     }
-    if conditions.camera_chosen.is_empty() {
+    if conditions.view.chosen.is_empty() {
         line("camera", "none given; this one frames the scene:");
-        for part in conditions.camera.to_toml().lines() {
+        for part in conditions.view.camera.to_toml().lines() {
             line("", part);
         }
     }

@@ -1,9 +1,5 @@
 // The air: optical depths and single scattering in closed form. Lengths in metres, coefficients per metre.
 
-const BOX = 0u;
-const HAZE = 1u;
-const HEIGHT = 2u;
-
 struct Medium {
     scattering: vec3f,
     shape: u32,
@@ -27,13 +23,17 @@ struct Medium {
     weight: f32,
 }
 
-// Which media send the light that `scattered` integrates; the others take from it all the same.
+// Which media send the light that is integrated along a ray; the others take from it all the same.
 const ALL_MEDIA = 0u;
 const ALL_BUT_CLEAR = 1u;
 const ONLY_CLEAR = 2u;
-var<private> sources: u32 = ALL_MEDIA;
 
-fn is_source(medium: Medium) -> bool {
+// On a ray that meets nothing, sky and sun hold the clear air already: it sends no light then but takes from what other media send.
+fn sources_of(surface: Surface) -> u32 {
+    return select(ALL_MEDIA, ALL_BUT_CLEAR, surface.number == 0u);
+}
+
+fn is_source(medium: Medium, sources: u32) -> bool {
     return sources == ALL_MEDIA || (sources == ONLY_CLEAR) == (medium.clear != 0u);
 }
 
@@ -73,23 +73,23 @@ fn phase_value(medium: Medium, one_minus_mu: f32) -> f32 {
     let half8 = half2 * half2 * half2 * half2;
     let half16 = half8 * half8;
     switch medium.phase {
-        case 0u: { return 1.0 / (4.0 * PI); }
-        case 1u: { return 3.0 / (16.0 * PI) * (1.0 + mu * mu); }
-        case 2u: { return henyey_greenstein(medium.g, one_minus_mu); }
+        case ISOTROPIC: { return 1.0 / (4.0 * PI); }
+        case RAYLEIGH: { return 3.0 / (16.0 * PI) * (1.0 + mu * mu); }
+        case HENYEY_GREENSTEIN: { return henyey_greenstein(medium.g, one_minus_mu); }
         // Cornette-Shanks, Draine, and the mixture for fog.
-        case 3u: {
+        case DRAINE: {
             let g = medium.g_draine;
             let draine = henyey_greenstein(g, one_minus_mu) * (1.0 + medium.a * mu * mu) / (1.0 + medium.a * (1.0 + 2.0 * g * g) / 3.0);
             return mix(henyey_greenstein(medium.g, one_minus_mu), draine, medium.weight);
         }
-        case 4u: { return (1.0 + 9.0 * half8) / (8.0 * PI); }
+        case NISHITA_HAZY: { return (1.0 + 9.0 * half8) / (8.0 * PI); }
         default: { return 33.0 / (332.0 * PI) * (1.0 + 50.0 * half16 * half16); }
     }
 }
 
 // What a medium scatters of the sun's light toward the eye where it is as dense as at its base [1/(m sr)].
-fn source_of(medium: Medium, one_minus_mu: f32) -> vec3f {
-    return select(vec3f(0.0), medium.scattering * phase_value(medium, one_minus_mu), is_source(medium));
+fn source_of(medium: Medium, one_minus_mu: f32, sources: u32) -> vec3f {
+    return select(vec3f(0.0), medium.scattering * phase_value(medium, one_minus_mu), is_source(medium, sources));
 }
 
 // The part of a half-line inside a box or a haze; an empty one has its end before its start.
@@ -161,9 +161,9 @@ fn depth_passed(medium: Medium, direction: vec3f, toward: vec3f) -> vec3f {
 }
 
 // Distance beyond which a ray that meets nothing sees no more air; what sends no light into the sky is not looked for.
-fn air_end(origin: vec3f, direction: vec3f) -> f32 {
+fn air_end(origin: vec3f, direction: vec3f, sources: u32) -> f32 {
     var end = 0.0;
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         if sources == ALL_BUT_CLEAR && media[i].clear != 0u {
             continue;
         }
@@ -177,17 +177,15 @@ fn air_end(origin: vec3f, direction: vec3f) -> f32 {
     return min(end, FARTHEST);
 }
 
-// Where a ray ends: at its surface or with the air. From here on `scattered` knows whether the ray meets anything: where it
-// does not, sky and sun hold the clear air already, which sends no light then but takes from what other media send.
+// Where a ray ends: at its surface or with the air.
 fn ray_end(surface: Surface, origin: vec3f, direction: vec3f) -> f32 {
-    sources = select(ALL_MEDIA, ALL_BUT_CLEAR, surface.number == 0u);
-    return min(surface.distance, air_end(origin, direction));
+    return min(surface.distance, air_end(origin, direction, sources_of(surface)));
 }
 
-// Of all media on a ray that meets a surface, of all but the clear air on one that does not.
-fn optical_depth(origin: vec3f, direction: vec3f, distance: f32) -> vec3f {
+// Of the first `distance` metres of a ray: of all media, or with ALL_BUT_CLEAR without the clear air.
+fn optical_depth(origin: vec3f, direction: vec3f, distance: f32, sources: u32) -> vec3f {
     var depth = vec3f(0.0);
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         if sources == ALL_BUT_CLEAR && media[i].clear != 0u {
             continue;
         }
@@ -202,7 +200,7 @@ fn optical_depth(origin: vec3f, direction: vec3f, distance: f32) -> vec3f {
 
 fn sun_optical_depth(p: vec3f, toward: vec3f) -> vec3f {
     var depth = vec3f(0.0);
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         if media[i].shape == HEIGHT {
             depth += depth_above(media[i], density(media[i], p, vec3f(0.0), 0.0), toward);
         } else {
@@ -216,7 +214,7 @@ fn sun_optical_depth(p: vec3f, toward: vec3f) -> vec3f {
 fn next_bend(origin: vec3f, direction: vec3f, toward: vec3f, t: f32) -> f32 {
     var next = FARTHEST;
     let after = t + 2e-7 * abs(t);
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         let medium = media[i];
         if medium.shape == HEIGHT {
             continue;
@@ -256,10 +254,10 @@ struct Piece {
     source: vec3f,
 }
 
-fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, one_minus_mu: f32) -> Piece {
+fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, one_minus_mu: f32, sources: u32) -> Piece {
     var piece = Piece(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     let length = b - a;
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         let medium = media[i];
         if medium.shape == HEIGHT {
             continue;
@@ -275,7 +273,7 @@ fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, o
         piece.slope += medium.extinction * slope;
         if inside(medium, origin + (a + 0.5 * length) * direction) {
             piece.slope += medium.extinction;
-            piece.source += source_of(medium, one_minus_mu);
+            piece.source += source_of(medium, one_minus_mu, sources);
         }
     }
     return piece;
@@ -283,7 +281,7 @@ fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, o
 
 fn all_depth(piece: Piece, origin: vec3f, direction: vec3f, a: f32, t: f32, toward: vec3f) -> vec3f {
     var depth = piece.depth + piece.slope * (t - a);
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         let medium = media[i];
         if medium.shape == HEIGHT {
             depth += depth_of(medium.extinction, base_length(medium, origin, direction, 0.0, t));
@@ -295,17 +293,17 @@ fn all_depth(piece: Piece, origin: vec3f, direction: vec3f, a: f32, t: f32, towa
 
 // Sunlight that the part [a, b] of a piece beginning at `start` scatters to the eye [1/sr], per unit of illuminance.
 fn scattered_part(whole: Piece, start: f32, origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f,
-                  one_minus_mu: f32) -> vec3f {
+                  one_minus_mu: f32, sources: u32) -> vec3f {
     var piece = whole;
     piece.depth += whole.slope * (a - start);
     var heights = 0u;
     var only = 0u;
     var sends = any(piece.source > vec3f(0.0));
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         if media[i].shape == HEIGHT {
             heights += 1u;
             only = i;
-            sends = sends || is_source(media[i]);
+            sends = sends || is_source(media[i], sources);
         }
     }
     if !sends {
@@ -324,12 +322,12 @@ fn scattered_part(whole: Piece, start: f32, origin: vec3f, direction: vec3f, a: 
         let ahead = depth_of(medium.extinction, base_length(medium, origin, direction, 0.0, a))
             + depth_above(medium, density(medium, origin, direction, a), toward);
         let slope = medium.extinction - depth_passed(medium, direction, toward);
-        return source_of(medium, one_minus_mu) * exponential_integral3(ahead, slope, vec3f(run));
+        return source_of(medium, one_minus_mu, sources) * exponential_integral3(ahead, slope, vec3f(run));
     }
     // A mixture: three-point Gauss-Legendre on parts that change little.
     let change = abs(all_depth(piece, origin, direction, a, b, toward) - all_depth(piece, origin, direction, a, a, toward));
     var uneven = min(max(change.x, max(change.y, change.z)), 100.0);
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         if media[i].shape == HEIGHT {
             uneven = max(uneven, abs(direction.y * (b - a) / media[i].scale_height));
         }
@@ -343,10 +341,10 @@ fn scattered_part(whole: Piece, start: f32, origin: vec3f, direction: vec3f, a: 
             let t = middle + (f32(node) - 1.0) * 0.774596669 * half;
             let weight = half * select(5.0 / 9.0, 8.0 / 9.0, node == 1u);
             var source = piece.source;
-            for (var i = 0u; i < frame.media; i++) {
+            for (var i = 0u; i < tile.media; i++) {
                 let medium = media[i];
                 if medium.shape == HEIGHT {
-                    source += source_of(medium, one_minus_mu) * density(medium, origin, direction, t);
+                    source += source_of(medium, one_minus_mu, sources) * density(medium, origin, direction, t);
                 }
             }
             sum += weight * source * exp(-all_depth(piece, origin, direction, a, t, toward));

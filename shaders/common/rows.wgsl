@@ -1,12 +1,6 @@
 // The rectified map: rows around the sun's direction as seen from the eye, read by the effects that have such rows. See
 // src/effect/rows.rs.
 
-// Least and greatest row coordinate, a and c that the tile's pixels ask for, as integers of the same order.
-@group(3) @binding(0) var<storage, read_write> asked: array<atomic<u32>, 16>;
-// Row by row: leaves of eight columns each, 16 bits a column; then nodes, least (low half) and greatest (high half) threshold
-// of four children each: of 8, then of 32, then of 128 columns.
-@group(3) @binding(1) var<storage, read_write> tree: array<vec4u>;
-
 // Where a row begins in the tree, for rows of so many leaves.
 fn tree_row(row: u32, blocks: u32) -> u32 {
     return row * (blocks + 21u * (blocks / 64u));
@@ -57,13 +51,13 @@ fn is_asked() -> bool {
 // As many rows as keep the distance that `count` of them have across the tile's diagonal: up to pi times as many where the
 // axis lies in the tile.
 fn row_count(count: u32, row: vec2f, c: vec2f) -> u32 {
-    if frame.projection == 1u {
+    if tile.projection == ORTHOGRAPHIC {
         return count;
     }
     let nearest = select(min(abs(c.x), abs(c.y)), 0.0, c.x * c.y < 0.0);
     let sine = (1.0 - nearest) / length(vec2f(1.0 - nearest, nearest));
-    let middle = rays[(frame.extent.y / 2u) * frame.extent.x + frame.extent.x / 2u].xyz;
-    let last = rays[frame.extent.x * frame.extent.y - 1u].xyz;
+    let middle = rays[(tile.extent.y / 2u) * tile.extent.x + tile.extent.x / 2u].xyz;
+    let last = rays[tile.extent.x * tile.extent.y - 1u].xyz;
     let diagonal = length(rays[0].xyz - middle) + length(last - middle);
     let most = 4.0 * f32(count);
     return u32(clamp(ceil(f32(count) * (row.y - row.x) * sine / max(diagonal, 1e-6)), f32(count), most));
@@ -80,7 +74,7 @@ fn rows_of(count: u32, columns: u32) -> Rows {
     rows.step = max(row.y - row.x, 1e-7 * max(abs(row.x), abs(row.y)) + 1e-30) / f32(rows.count);
     rows.least = a.x;
     rows.width = max(a.y - a.x, 1e-6 * max(abs(a.x), abs(a.y)) + 1e-30);
-    if frame.projection == 1u {
+    if tile.projection == ORTHOGRAPHIC {
         // Parallel rays are as dense everywhere.
         rows.bend = 0.0;
         rows.rate = 0.0;
@@ -116,7 +110,7 @@ fn threshold_bits(rows: Rows, d: f32) -> u32 {
 
 // The direction across the light from which rows of a tile are counted; in an orthographic view that of all slices.
 fn reference_across() -> vec2f {
-    let middle = (frame.extent.y / 2u) * frame.extent.x + frame.extent.x / 2u;
+    let middle = (tile.extent.y / 2u) * tile.extent.x + tile.extent.x / 2u;
     let across = axis_parts(rays[middle].xyz).xy;
     let size = length(across);
     return select(vec2f(1.0, 0.0), across / size, size > 1e-6);
@@ -128,7 +122,7 @@ fn slice_of(origin: vec3f, direction: vec3f) -> Slice {
     var slice: Slice;
     slice.sine = length(d.xy);
     slice.cosine = d.z;
-    if frame.projection == 1u {
+    if tile.projection == ORTHOGRAPHIC {
         let o = axis_parts(origin);
         slice.row = e.x * o.y - e.y * o.x;
         slice.start = dot(e, o.xy);
@@ -146,8 +140,8 @@ fn slice_of(origin: vec3f, direction: vec3f) -> Slice {
 // Light coordinates of the place at distance a from the axis in a slice.
 fn slice_place(row: f32, a: f32) -> vec2f {
     let e = reference_across();
-    let eye = vec2f(light.across.w, light.along.w);
-    if frame.projection == 1u {
+    let eye = vec2f(beam.across.w, beam.along.w);
+    if tile.projection == ORTHOGRAPHIC {
         return eye + a * e + row * vec2f(-e.y, e.x);
     }
     let turn = vec2f(cos(row), sin(row));
@@ -156,19 +150,19 @@ fn slice_place(row: f32, a: f32) -> vec2f {
 
 // Height over the eye, toward the sun, of the first surface that the light meets at a place; far below where there is none.
 fn slice_height(at: vec2f) -> f32 {
-    if any(at < light.casters.xy) || any(at > light.casters.zw) {
+    if any(at < beam.casters.xy) || any(at > beam.casters.zw) {
         return -1e30;
     }
     let k = covering(at, 0.0);
-    if k == light.partitions {
+    if k == beam.partitions {
         return -1e30;
     }
-    return caster_height(k, vec2i((at - light.maps[k].least) / light.maps[k].texel)) - light.height.w;
+    return caster_height(k, vec2i((at - beam.maps[k].least) / beam.maps[k].texel)) - beam.height.w;
 }
 
 // What a ray's c is compared with: lit where c is not less.
 fn slice_threshold(slice: Slice, h: f32, a: f32) -> f32 {
-    if frame.projection == 1u {
+    if tile.projection == ORTHOGRAPHIC {
         return h * slice.sine - a * slice.cosine;
     }
     let sum = abs(h) + a;
@@ -177,7 +171,7 @@ fn slice_threshold(slice: Slice, h: f32, a: f32) -> f32 {
 
 // Whether a ray runs so nearly along the light that one place across it decides for all of the ray.
 fn along_light(slice: Slice, span: vec2f) -> bool {
-    let texel = min(light.maps[0].texel.x, light.maps[0].texel.y);
+    let texel = min(beam.maps[0].texel.x, beam.maps[0].texel.y);
     return (span.y - span.x) * slice.sine < 0.5 * texel || slice.sine < 1e-6;
 }
 
@@ -218,7 +212,7 @@ fn row_middle(rows: Rows, row: u32) -> f32 {
 
 // How wide a texel is at a place, of the finest map that covers it.
 fn texel_at(at: vec2f) -> f32 {
-    return length(light.maps[min(covering(at, 0.0), light.partitions - 1u)].texel);
+    return length(beam.maps[min(covering(at, 0.0), beam.partitions - 1u)].texel);
 }
 
 // What stands for a border that casters' edges do not tell: that of something without an edge nearby, or with holes.
@@ -238,7 +232,7 @@ fn edge_of_shadow(rows: Rows, slice: Slice, span: Span, row: u32, column: f32, t
     var texel = texel_at(place);
     // The row is not quite the ray's own, and edges may run along it.
     let apart = abs(slice.row - row_middle(rows, row));
-    let shift = apart * select(slice.start + t * slice.sine, 1.0, frame.projection == 1u);
+    let shift = apart * select(slice.start + t * slice.sine, 1.0, tile.projection == ORTHOGRAPHIC);
     let blur = (2.0 * texel + 1000.0 * shift) / slice.sine;
     let reach = blur + column_distance(rows, slice, span, column + 2.0) - column_distance(rows, slice, span, column - 2.0);
     var edge = NO_EDGE;
@@ -303,7 +297,7 @@ fn halved_border(rows: Rows, slice: Slice, span: Span, column: f32, lit_behind: 
 // many lie along a ray, those from the first thing with holes on, as leaves are, stay at their columns: they are off to both
 // sides, each tells little, and to ask for what casts them would be most of the reads.
 fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, rows: Rows, row: u32, halvings: u32) -> vec3f {
-    begin_runs(origin, direction, span.air);
+    begin_runs(origin, direction, span.air, span.sources);
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
     let crossing = crossing_of(rows, slice, span.shaded);
     let blocks = rows.columns / 8u;

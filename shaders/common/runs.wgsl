@@ -5,12 +5,14 @@ struct Span {
     air: vec2f,
     // The part of it that anything can shade.
     shaded: vec2f,
+    // Which media send light.
+    sources: u32,
 }
 
 // The part of a ray on which there is any air that can be seen.
 fn air_span(origin: vec3f, direction: vec3f) -> vec2f {
     var span = vec2f(FARTHEST, 0.0);
-    for (var i = 0u; i < frame.media; i++) {
+    for (var i = 0u; i < tile.media; i++) {
         if media[i].shape == HEIGHT {
             return vec2f(0.0, FARTHEST);
         }
@@ -26,6 +28,7 @@ fn shaded_span(origin: vec3f, direction: vec3f, surface: Surface) -> Span {
     let air = air_span(origin, direction);
     let end = min(ray_end(surface, origin, direction), air.y);
     var span: Span;
+    span.sources = sources_of(surface);
     span.air = vec2f(air.x, max(end, air.x));
     let between = shadow_span(origin, direction);
     span.shaded.x = clamp(between.x, span.air.x, span.air.y);
@@ -37,6 +40,7 @@ var<private> run_origin: vec3f;
 var<private> run_direction: vec3f;
 var<private> run_one_minus_mu: f32;
 var<private> run_end: f32;
+var<private> run_sources: u32;
 var<private> run_sum: vec3f;
 // Borders of light and shadow that are not integrated yet: light from the first on, shadow from the second on, and so on.
 var<private> run_borders: array<f32, 16>;
@@ -46,12 +50,13 @@ var<private> run_piece: Piece;
 var<private> run_piece_span: vec2f;
 
 // A ray that is lit from the beginning of its air on, until it turns.
-fn begin_runs(origin: vec3f, direction: vec3f, air: vec2f) {
-    let apart = direction - light.toward;
+fn begin_runs(origin: vec3f, direction: vec3f, air: vec2f, sources: u32) {
+    let apart = direction - beam.toward;
     run_origin = origin;
     run_direction = direction;
     run_one_minus_mu = 0.5 * dot(apart, apart);
     run_end = air.y;
+    run_sources = sources;
     run_sum = vec3f(0.0);
     run_borders[0] = air.x;
     run_count = 1u;
@@ -83,14 +88,14 @@ fn integrate_runs() {
         var at = run_borders[k];
         let end = run_borders[k + 1u];
         // Each box gives at most fourteen bends.
-        for (var guard = 0u; guard <= 14u * frame.media && at < end; guard++) {
+        for (var guard = 0u; guard <= 14u * tile.media && at < end; guard++) {
             if at >= run_piece_span.y || at < run_piece_span.x {
-                run_piece_span = vec2f(at, min(run_end, next_bend(run_origin, run_direction, light.toward, at)));
-                run_piece = homogeneous(run_origin, run_direction, at, run_piece_span.y, light.toward, run_one_minus_mu);
+                run_piece_span = vec2f(at, min(run_end, next_bend(run_origin, run_direction, beam.toward, at)));
+                run_piece = homogeneous(run_origin, run_direction, at, run_piece_span.y, beam.toward, run_one_minus_mu, run_sources);
             }
             let next = min(end, run_piece_span.y);
-            run_sum += scattered_part(run_piece, run_piece_span.x, run_origin, run_direction, at, next, light.toward,
-                                      run_one_minus_mu);
+            run_sum += scattered_part(run_piece, run_piece_span.x, run_origin, run_direction, at, next, beam.toward,
+                                      run_one_minus_mu, run_sources);
             at = next;
         }
     }

@@ -1,29 +1,7 @@
-// The sky of one place of the sun, from the numbers that src/sky/table.rs makes.
-
-@group(1) @binding(2) var<storage, read> table: array<f32>;
-
-// Where things stand in it; vectors take three places.
-const FORM = 0u;
-const TOWARD_SUN = 1u;
-const TOWARD_AZIMUTH = 4u;
-const UNIFORM = 6u;
-const CLOUD = 9u;
-const DAY_SCALE = 12u;
-const GREY = 13u;
-const DUSK_SCALE = 14u;
-const PIECES = 15u;
-const DUSK_SIZE = 16u;
-const LUMINANCE = 18u;
-const OVERCAST = 21u;
-const COLOURS = 24u;
-const FACTORS = 33u;
-const ANGLES = 63u;
-
-const COSINE_FLOOR = 0.01;
-const AEROSOL_G = 0.76;
+// The sky of one place of the sun, from the numbers that src/sky/table.rs makes; vectors take three places.
 
 fn vector(at: u32) -> vec3f {
-    return vec3f(table[at], table[at + 1u], table[at + 2u]);
+    return vec3f(sky_numbers[at], sky_numbers[at + 1u], sky_numbers[at + 2u]);
 }
 
 // The angle of (x, y) from the x axis over pi, for y >= 0: within 2e-7. A device's own atan2 may be off by 5e-4.
@@ -44,14 +22,14 @@ fn half_turns(y: f32, x: f32) -> f32 {
 // The factor of a luminance (0, 1) or a colour (2 to 4) that depends on height alone; `up` is the cosine of the zenith angle.
 fn height_factor(number: u32, up: f32) -> f32 {
     let at = FACTORS + 6u * number;
-    let gradation = table[at + 1u] * exp(table[at + 2u] / max(up + table[at + 3u], COSINE_FLOOR));
-    return table[at] * (1.0 + gradation + table[at + 4u] * up);
+    let gradation = sky_numbers[at + 1u] * exp(sky_numbers[at + 2u] / max(up + sky_numbers[at + 3u], COSINE_FLOOR));
+    return sky_numbers[at] * (1.0 + gradation + sky_numbers[at + 4u] * up);
 }
 
 // What depends on the angle from the sun alone, between two of its values.
 fn around_sun(number: u32, below: u32, share: f32) -> f32 {
     let at = ANGLES + 5u * below + number;
-    return mix(table[at], table[at + 5u], share);
+    return mix(sky_numbers[at], sky_numbers[at + 5u], share);
 }
 
 // The nearest colour without negative channels toward the grey of the same luminance.
@@ -71,41 +49,41 @@ fn into_gamut(rgb: vec3f) -> vec3f {
 fn day(up: f32, haversine: f32) -> vec3f {
     // t = tan(angle / 2) / (1 + tan(angle / 2)), 0 at the sun and 1 opposite.
     let sin_half = sqrt(haversine);
-    let x = sin_half / (sin_half + sqrt(1.0 - haversine)) * table[PIECES];
-    let below = min(u32(x), u32(table[PIECES]) - 1u);
+    let x = sin_half / (sin_half + sqrt(1.0 - haversine)) * sky_numbers[PIECES];
+    let below = min(u32(x), u32(sky_numbers[PIECES]) - 1u);
     let share = x - f32(below);
     var colour = vec3f(0.0);
     for (var c = 0u; c < 3u; c += 1u) {
-        let addend = table[FACTORS + 6u * (c + 2u) + 5u] * sqrt(up);
+        let addend = sky_numbers[FACTORS + 6u * (c + 2u) + 5u] * sqrt(up);
         colour[c] = height_factor(c + 2u, up) * (around_sun(c + 2u, below, share) + addend);
     }
-    if table[FORM] == 1.0 {
+    if sky_numbers[FORM] == 1.0 {
         // Y, x, y to X, Y, Z.
         colour = colour.x * vec3f(colour.y / colour.z, 1.0, (1.0 - colour.y - colour.z) / colour.z);
     }
     var working = mat3x3f(vector(COLOURS), vector(COLOURS + 3u), vector(COLOURS + 6u)) * colour;
-    if table[FORM] == 3.0 {
+    if sky_numbers[FORM] == 3.0 {
         let luminance = max(height_factor(0u, up) * around_sun(0u, below, share), 0.0)
             + max(height_factor(1u, up) * around_sun(1u, below, share), 0.0);
         working *= luminance / dot(working, vector(LUMINANCE));
-        working = mix(working, vector(OVERCAST) * luminance, table[GREY]);
+        working = mix(working, vector(OVERCAST) * luminance, sky_numbers[GREY]);
     }
     return into_gamut(working);
 }
 
 fn dusk_at(row: u32, column: u32, part: u32) -> vec3f {
-    let first = ANGLES + 5u * (u32(table[PIECES]) + 1u);
-    return vector(first + 6u * (row * u32(table[DUSK_SIZE + 1u]) + column) + 3u * part);
+    let first = ANGLES + 5u * (u32(sky_numbers[PIECES]) + 1u);
+    return vector(first + 6u * (row * u32(sky_numbers[DUSK_SIZE + 1u]) + column) + 3u * part);
 }
 
 // The twilight's sky.
 fn dusk(direction: vec3f, up: f32, haversine: f32) -> vec3f {
-    let azimuth = vec2f(table[TOWARD_AZIMUTH], table[TOWARD_AZIMUTH + 1u]);
+    let azimuth = vec2f(sky_numbers[TOWARD_AZIMUTH], sky_numbers[TOWARD_AZIMUTH + 1u]);
     let across = abs(direction.x * azimuth.y - direction.z * azimuth.x);
-    let y = sqrt(min(up, 1.0)) * (table[DUSK_SIZE] - 1.0);
-    let x = half_turns(across, dot(direction.xz, azimuth)) * (table[DUSK_SIZE + 1u] - 1.0);
-    let row = min(u32(y), u32(table[DUSK_SIZE]) - 2u);
-    let column = min(u32(x), u32(table[DUSK_SIZE + 1u]) - 2u);
+    let y = sqrt(min(up, 1.0)) * (sky_numbers[DUSK_SIZE] - 1.0);
+    let x = half_turns(across, dot(direction.xz, azimuth)) * (sky_numbers[DUSK_SIZE + 1u] - 1.0);
+    let row = min(u32(y), u32(sky_numbers[DUSK_SIZE]) - 2u);
+    let column = min(u32(x), u32(sky_numbers[DUSK_SIZE + 1u]) - 2u);
     let at = vec2f(x - f32(column), y - f32(row));
     var parts = array<vec3f, 2>();
     for (var part = 0u; part < 2u; part += 1u) {
@@ -128,11 +106,11 @@ fn sky(direction: vec3f) -> vec3f {
     let near = dot(away, away);
     let haversine = near / (near + dot(toward, toward));
     var sum = vector(UNIFORM) + vector(CLOUD) * (1.0 + 2.0 * up);
-    if table[DAY_SCALE] > 0.0 {
-        sum += day(up, haversine) * table[DAY_SCALE];
+    if sky_numbers[DAY_SCALE] > 0.0 {
+        sum += day(up, haversine) * sky_numbers[DAY_SCALE];
     }
-    if table[DUSK_SCALE] > 0.0 {
-        sum += dusk(direction, up, haversine) * table[DUSK_SCALE];
+    if sky_numbers[DUSK_SCALE] > 0.0 {
+        sum += dusk(direction, up, haversine) * sky_numbers[DUSK_SCALE];
     }
     return sum;
 }

@@ -1,17 +1,10 @@
-//! How far a picture is from the reference: measured on some of its pixels.
+//! How far numbers are from the truth.
 //!
 //! The measure is relative RMSE = sqrt(mean((L - R)^2)) / mean(R) over luminances; its interval is a bootstrap of the same
-//! number. Pixels are drawn at random, one from each cell of an even grid (stratified), always the same ones for a size.
+//! number. Of whole pictures there is FLIP too. What compares a picture with the reference is [`crate::backend::check`].
 
 pub mod flip;
 
-use crate::colour::luminance;
-use crate::effect::Field;
-use crate::error::{Error, Result};
-use crate::frame::{Frame, Layer};
-use crate::plan::Plan;
-use crate::reference::Reference;
-use glam::{DVec3, UVec2};
 use serde::Serialize;
 
 /// Resamplings of the bootstrap.
@@ -32,114 +25,12 @@ pub struct LayerError {
     pub percentile_99: f64,
 }
 
-/// The measured error of a picture.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Check {
-    /// Pixels that were compared.
-    pub pixels: usize,
-    /// The layers that the reference makes, in their order, and the picture.
-    pub layers: Vec<LayerError>,
-}
-
-impl Check {
-    /// The error of the whole picture.
-    pub fn picture(&self) -> &LayerError {
-        let last = self.layers.last();
-        last.expect("the picture is always in the list")
-    }
-}
-
-/// Compares about `count` pixels of a picture with the reference under `yardstick`, a plan for the same conditions.
-///
-/// # Errors
-/// [`Error::Input`] for a count of zero, or a picture of another size.
-pub fn check(frame: &Frame, yardstick: &Plan, count: usize) -> Result<Check> {
-    let size = yardstick.conditions.size;
-    if [frame.width, frame.height] != size {
-        return Err(Error::input(
-            "the picture to check",
-            format!(
-                "it has {} x {} pixels, the plan {} x {}",
-                frame.width, frame.height, size[0], size[1]
-            ),
-            "render and check with the same --size",
-        ));
-    }
-    if count == 0 {
-        return Err(Error::input(
-            "--check 0",
-            "no pixel would be compared",
-            "give a number of pixels, say 1000",
-        ));
-    }
-    let pixels = stratified(size, count);
-    let index = |p: &UVec2| (p.y * size[0] + p.x) as usize;
-    let made: Vec<_> = Field::LAYERS
-        .iter()
-        .map(|field| frame.layer(field.name()))
-        .collect();
-    let ours: Vec<[DVec3; 7]> = pixels
-        .iter()
-        .map(|p| {
-            let at = |layer: &Option<&Layer>| {
-                layer.map_or(DVec3::ZERO, |layer| layer.rgb[index(p)].as_dvec3())
-            };
-            std::array::from_fn(|slot| at(&made[slot]))
-        })
-        .collect();
-    Ok(judge(&ours, yardstick, &pixels))
-}
-
-/// Compares about `count` pixels of what the reference makes of a plan with what it makes of another, without a whole picture.
-///
-/// # Errors
-/// [`Error::Input`] for a count of zero.
-pub fn compare(plan: &Plan, yardstick: &Plan, count: usize) -> Result<Check> {
-    if count == 0 {
-        return Err(Error::input(
-            "the pixels to compare",
-            "there are none",
-            "give a number of pixels, say 1000",
-        ));
-    }
-    let conditions = plan.conditions;
-    let pixels = stratified(conditions.size, count);
-    let ours: Vec<[DVec3; 7]> = Reference::new(plan)
-        .sampled(&pixels, conditions.samples)
-        .iter()
-        .map(|values| std::array::from_fn(|slot| values[slot]))
-        .collect();
-    Ok(judge(&ours, yardstick, &pixels))
-}
-
-/// The error of the layers and of their sum at some pixels.
-fn judge(ours: &[[DVec3; 7]], yardstick: &Plan, pixels: &[UVec2]) -> Check {
-    let truth = Reference::new(yardstick).sampled(pixels, yardstick.conditions.samples);
-    let written = yardstick.written();
-    let mut layers = Vec::new();
-    for (slot, field) in Field::LAYERS.iter().enumerate() {
-        if written.contains(field) {
-            let pairs = ours.iter().zip(&truth);
-            let pairs = pairs.map(|(o, t)| [luminance(o[slot]), luminance(t[slot])]);
-            layers.push(error(field.name(), &pairs.collect::<Vec<_>>()));
-        }
-    }
-    let pairs = ours.iter().zip(&truth).map(|(o, t)| {
-        let (ours, truth): (DVec3, DVec3) = (o.iter().sum(), t[..7].iter().sum());
-        [luminance(ours), luminance(truth)]
-    });
-    layers.push(error("picture", &pairs.collect::<Vec<_>>()));
-    Check {
-        pixels: pixels.len(),
-        layers,
-    }
-}
-
 /// Deterministic noise.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn below(&mut self, n: u64) -> u64 {
+    /// A number from 0 to n - 1.
+    pub(crate) fn below(&mut self, n: u64) -> u64 {
         // xorshift64* (Vigna 2016); the product's upper half divides evenly.
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -147,34 +38,6 @@ impl Random {
         let word = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D);
         ((u128::from(word) * u128::from(n)) >> 64) as u64
     }
-}
-
-/// One random pixel of each cell of a grid of about `count` cells; all pixels when there are no more.
-fn stratified([width, height]: [u32; 2], count: usize) -> Vec<UVec2> {
-    let aspect = f64::from(width) / f64::from(height);
-    let columns = (count as f64 * aspect)
-        .sqrt()
-        .round()
-        .clamp(1.0, f64::from(width)) as u32;
-    let rows = (count as f64 / f64::from(columns))
-        .round()
-        .clamp(1.0, f64::from(height)) as u32;
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    let mut place = |cell: u32, cells: u32, side: u32| {
-        let edge = |i: u32| (u64::from(i) * u64::from(side) / u64::from(cells)) as u32;
-        let from = edge(cell);
-        from + random.below(u64::from(edge(cell + 1) - from)) as u32
-    };
-    let mut pixels = Vec::with_capacity((columns * rows) as usize);
-    for row in 0..rows {
-        for column in 0..columns {
-            pixels.push(UVec2::new(
-                place(column, columns, width),
-                place(row, rows, height),
-            ));
-        }
-    }
-    pixels
 }
 
 /// sqrt(mean((L - R)^2)) / mean(R) over pairs of L and R; 0 where they are equal.
@@ -213,7 +76,8 @@ pub(crate) fn percentile_99(pairs: &[[f64; 2]]) -> f64 {
     quantile(&single, 0.99)
 }
 
-fn error(layer: &'static str, pairs: &[[f64; 2]]) -> LayerError {
+/// The error of one layer from pairs of L and R.
+pub(crate) fn error(layer: &'static str, pairs: &[[f64; 2]]) -> LayerError {
     let mean = pairs.iter().map(|p| p[1]).sum::<f64>() / pairs.len() as f64;
     let mut random = Random(0xD1B5_4A32_D192_ED03);
     let n = pairs.len() as u64;
@@ -234,20 +98,6 @@ fn error(layer: &'static str, pairs: &[[f64; 2]]) -> LayerError {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_cell_gives_one_pixel() {
-        let pixels = stratified([64, 32], 200);
-        assert_eq!(pixels.len(), 200);
-        for (i, pixel) in pixels.iter().enumerate() {
-            let (column, row) = (i as u32 % 20, i as u32 / 20);
-            assert!(pixel.x >= column * 64 / 20 && pixel.x < (column + 1) * 64 / 20);
-            assert!(pixel.y >= row * 32 / 10 && pixel.y < (row + 1) * 32 / 10);
-        }
-        let all = stratified([5, 3], 1_000_000);
-        assert_eq!(all.len(), 15);
-        assert_eq!(stratified([1, 1], 10), [UVec2::ZERO]);
-    }
 
     #[test]
     fn the_interval_holds_the_truth_about_as_often_as_it_says() {

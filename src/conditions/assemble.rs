@@ -1,6 +1,6 @@
 //! From a scene and what is asked of it to conditions.
 
-use super::{Conditions, GroundPlane, Sun, checks, toward};
+use super::{Conditions, GroundPlane, Receivers, Sun, View, checks, toward};
 use crate::ephemeris::civil::{self, Fold, Moment, Reading};
 use crate::ephemeris::{self, Site, SunPosition, Tier, TimeScale, sun_position};
 use crate::error::{Error, Result, nearest};
@@ -10,6 +10,7 @@ use crate::sky::sun::{SunPath, visible_part};
 use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
 use crate::units::{DEG, SUN_DIAMETER};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// What is asked of a scene beside what it says itself.
 #[derive(Debug, Clone, Default)]
@@ -61,20 +62,28 @@ pub struct Instant {
     pub tier: Tier,
 }
 
+/// What depends on the moment alone.
+struct AtMoment {
+    sun: Sun,
+    sky: Option<Arc<Sky>>,
+    instant: Option<Instant>,
+    air: Air,
+}
+
 impl Conditions {
     /// Checks everything that a scene says and prepares it for the effects.
     ///
     /// # Errors
     /// [`Error::Domain`] for a number outside the range in which its equations hold, [`Error::Input`] for what is missing or
     /// contradicts itself.
-    pub fn new(scene: Scene, request: &Request) -> Result<Self> {
+    pub fn new(scene: impl Into<Arc<Scene>>, request: &Request) -> Result<Self> {
+        let scene: Arc<Scene> = scene.into();
         let size = request.size.or(scene.picture.size).unwrap_or([960, 600]);
         let samples = request.samples.or(scene.picture.samples).unwrap_or(1);
         checks::picture(size, samples)?;
-        let geometry = Geometry::new(&scene);
-        let (camera, camera_chosen) = camera(&scene, &request.camera, size)?;
-        let mut warnings = scene.warnings.clone();
-        let height = scene.ground.height.unwrap_or(geometry.bounds().0.y);
+        let geometry = Arc::new(Geometry::new(&scene));
+        let (camera, chosen) = camera(&scene, &request.camera, size)?;
+        let height = ground_height(&scene, &geometry);
         checks::ground(&scene.ground, height)?;
         for (index, medium) in scene.media.iter().enumerate() {
             checks::medium(index, medium, height)?;
@@ -88,57 +97,123 @@ impl Conditions {
                 "give the azimuth that the scene's -Z faces",
             ));
         }
-        let north = scene.north_deg * DEG;
-        let ground_albedo = if scene.ground.enabled {
-            scene.ground.albedo
-        } else {
-            0.2
-        };
-        let (sun, sky, path, instant) = match &scene.sun {
-            Some(entry) => {
-                let path = SunPath::standard(entry.elevation_deg * DEG, turbidity(&scene.sky));
-                let (sun, sky) = given_sun(&scene, entry, &path, north, ground_albedo)?;
-                (sun, sky, path, None)
-            }
-            None => {
-                let instant = instant(&scene, request)?;
-                warnings.extend(instant.moment.warnings.iter().cloned());
-                let path = sun_path(&scene, &instant);
-                let (sun, sky) = real_sun(&scene, &instant, &path, north, ground_albedo)?;
-                (sun, Some(sky), path, Some(instant))
-            }
-        };
-        let mut media = scene.media.clone();
-        if let Some(air) = &scene.air {
-            media.extend(clear::media(air, &path, height)?);
-        }
-        if let Some(sky) = &sky {
-            warnings.extend(sky.warnings().iter().cloned());
-        }
-        if !scene.lights.is_empty() {
-            warnings.push(unused_lights(&scene));
-        }
+        let moment = moment(&scene, request, scene.time.as_deref(), height)?;
+        let ground = scene.ground.enabled.then_some(GroundPlane {
+            height,
+            albedo: DVec3::splat(scene.ground.albedo),
+        });
         Ok(Conditions {
+            warnings: warnings(&scene, &moment),
             geometry,
-            camera,
-            camera_chosen,
-            size,
-            samples,
-            sun,
-            sky,
-            instant,
-            ground: scene.ground.enabled.then_some(GroundPlane {
-                height,
-                albedo: DVec3::splat(scene.ground.albedo),
-            }),
-            air: Air {
-                media,
-                ground: height,
+            view: View {
+                camera,
+                chosen,
+                size,
+                samples,
+                receivers: Receivers::Pixels,
             },
-            warnings,
+            sun: moment.sun,
+            sky: moment.sky,
+            instant: moment.instant,
+            ground,
+            air: moment.air,
+            request: request.clone(),
             scene,
         })
     }
+
+    /// The same scene from the same view at another time, as people write it (RFC 3339, local, or `JD...`). Sun, sky and the
+    /// clear air are made anew; scene and geometry are shared.
+    ///
+    /// # Errors
+    /// Those of [`Conditions::new`] that concern place and time; [`Error::Input`] for a scene whose sun stands in for them.
+    pub fn at(&self, time: &str) -> Result<Self> {
+        if self.scene.sun.is_some() {
+            return Err(Error::input(
+                format!("time {time}"),
+                "the scene's sun stands in for place and time",
+                "leave the scene's [sun] and --sun out",
+            ));
+        }
+        let moment = moment(&self.scene, &self.request, Some(time), self.air.ground)?;
+        Ok(Conditions {
+            warnings: warnings(&self.scene, &moment),
+            sun: moment.sun,
+            sky: moment.sky,
+            instant: moment.instant,
+            air: moment.air,
+            ..self.clone()
+        })
+    }
+
+    /// The same scene at the same moment from another view. Everything else is shared.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a camera or a picture outside its range, and for points that are not finite or have no normal.
+    pub fn seen_from(&self, view: View) -> Result<Self> {
+        checks::picture(view.size, view.samples)?;
+        checks::camera(&view.camera)?;
+        view.points().map_or(Ok(()), checks::receivers)?;
+        Ok(Conditions {
+            view,
+            ..self.clone()
+        })
+    }
+}
+
+fn ground_height(scene: &Scene, geometry: &Geometry) -> f64 {
+    scene.ground.height.unwrap_or(geometry.bounds().0.y)
+}
+
+/// Sun, sky and air of a scene at a time, or under the sun that stands in for place and time.
+fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> Result<AtMoment> {
+    let north = scene.north_deg * DEG;
+    let ground_albedo = if scene.ground.enabled {
+        scene.ground.albedo
+    } else {
+        0.2
+    };
+    let (sun, sky, path, instant) = match &scene.sun {
+        Some(entry) => {
+            let path = SunPath::standard(entry.elevation_deg * DEG, turbidity(&scene.sky));
+            let (sun, sky) = given_sun(scene, entry, &path, north, ground_albedo)?;
+            (sun, sky, path, None)
+        }
+        None => {
+            let instant = instant(scene, time, request)?;
+            let path = sun_path(scene, &instant);
+            let (sun, sky) = real_sun(scene, &instant, &path, north, ground_albedo)?;
+            (sun, Some(sky), path, Some(instant))
+        }
+    };
+    let mut media = scene.media.clone();
+    if let Some(air) = &scene.air {
+        media.extend(clear::media(air, &path, height)?);
+    }
+    Ok(AtMoment {
+        sun,
+        sky: sky.map(Arc::new),
+        instant,
+        air: Air {
+            media,
+            ground: height,
+        },
+    })
+}
+
+/// What is said of the scene, the time and the sky.
+fn warnings(scene: &Scene, moment: &AtMoment) -> Vec<String> {
+    let mut warnings = scene.warnings.clone();
+    if let Some(instant) = &moment.instant {
+        warnings.extend(instant.moment.warnings.iter().cloned());
+    }
+    if let Some(sky) = &moment.sky {
+        warnings.extend(sky.warnings().iter().cloned());
+    }
+    if !scene.lights.is_empty() {
+        warnings.push(unused_lights(scene));
+    }
+    warnings
 }
 
 /// The sun that the user put somewhere, and the sky if there is to be one.
@@ -226,8 +301,8 @@ fn sun_path(scene: &Scene, instant: &Instant) -> SunPath {
 }
 
 /// The scene's place and time, and where the sun stands then.
-fn instant(scene: &Scene, request: &Request) -> Result<Instant> {
-    let missing = match (&scene.site, &scene.time) {
+fn instant(scene: &Scene, time: Option<&str>, request: &Request) -> Result<Instant> {
+    let missing = match (&scene.site, time) {
         (Some(entry), Some(time)) => return read_instant(entry, time, request),
         (None, Some(_)) => "it has a time but no place",
         (Some(_), None) => "it has a place but no time",

@@ -1,5 +1,6 @@
 //! The domains of what a user can say.
 
+use super::Receiver;
 use crate::error::{Error, Result};
 use crate::medium::{ClearAir, Fog, Medium, Phase, Shape};
 use crate::scene::{Camera, Ground, Projection, SunEntry};
@@ -269,4 +270,27 @@ pub(super) fn sun(entry: &SunEntry) -> Result<()> {
         )?;
     }
     Ok(())
+}
+
+/// Checks points that receive light.
+pub(super) fn receivers(points: &[Receiver]) -> Result<()> {
+    if points.is_empty() {
+        return Err(Error::input(
+            "the points",
+            "there are none",
+            "give at least one position and normal",
+        ));
+    }
+    let bad = points.iter().position(|point| {
+        !(point.position.is_finite() && (point.normal.length() - 1.0).abs() < 1e-6)
+    });
+    match bad {
+        None => Ok(()),
+        Some(i) => Err(Error::domain(
+            format!("point {}", i + 1),
+            format!("{}, normal {}", points[i].position, points[i].normal),
+            "a finite position and a normal of length 1",
+            "give metres in scene axes and a unit vector",
+        )),
+    }
 }

@@ -4,38 +4,42 @@
 
 mod assemble;
 mod checks;
+mod inputs;
 mod lines;
 mod penumbra;
 mod sun;
+mod view;
 
 pub use assemble::{CameraChoice, Instant, Request};
-pub use sun::{Sun, SunPoint};
+pub use inputs::{Input, Snapshot};
+pub use sun::Sun;
+pub use view::{Receiver, Receivers, View};
 
 use crate::colour::luminance;
 use crate::medium::{Air, Shape};
-use crate::scene::{Camera, Geometry, Scene};
+use crate::scene::{Geometry, Scene};
 use crate::sky::Sky;
 use glam::DVec3;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-/// Everything that effects need to know, in SI units and scene axes.
+/// Everything that effects need to know, in SI units and scene axes: a scene at a moment, from a view.
+///
+/// What is expensive is shared: [`Conditions::at`] gives those of another moment and [`Conditions::seen_from`] those of another
+/// view, over the same scene and geometry, and a clone costs next to nothing. Whoever keeps results asks
+/// [`Conditions::snapshot`] whether what they were made of has changed.
+#[derive(Clone)]
 pub struct Conditions {
     /// The scene: meshes, materials, textures.
-    pub scene: Scene,
+    pub scene: Arc<Scene>,
     /// What stands in the way of light.
-    pub geometry: Geometry,
-    /// The camera.
-    pub camera: Camera,
-    /// Where the camera comes from, in words; empty when nobody chose it and it frames the bounds.
-    pub camera_chosen: String,
-    /// Width and height of the picture [pixels].
-    pub size: [u32; 2],
-    /// Rays through pixels that differ from their neighbours; 1: one through each centre.
-    pub samples: u32,
+    pub geometry: Arc<Geometry>,
+    /// From where it is looked at.
+    pub view: View,
     /// The sun.
     pub sun: Sun,
     /// The sky, if there is one.
-    pub sky: Option<Sky>,
+    pub sky: Option<Arc<Sky>>,
     /// Place and time, unless the user put the sun where it is.
     pub instant: Option<Instant>,
     /// The endless ground, if there is one.
@@ -44,6 +48,8 @@ pub struct Conditions {
     pub air: Air,
     /// What was left out, is doubtful or approximate, one sentence each.
     pub warnings: Vec<String>,
+    /// What was asked for, so that it can be asked of another moment.
+    request: Request,
 }
 
 /// The endless plane below everything.

@@ -1,15 +1,16 @@
 //! How wide the edges of shadows are in the picture.
 
-use super::{Conditions, SunPoint};
+use super::Conditions;
+use crate::beam::Beam;
 use crate::medium::Shape;
 use crate::scene::Projection;
 use glam::DVec2;
 
 impl Conditions {
-    /// The points of the sun's disc that shadows are made for: `count` of them, or one where no penumbra is as wide as a pixel.
-    pub fn sun_points(&self, count: usize) -> Vec<SunPoint> {
-        let one = self.widest_penumbra() < 1.0;
-        self.sun.points(if one { 1 } else { count })
+    /// The beams of the sun's disc that shadows are made for: `count` of them, or one where no penumbra is as wide as a pixel.
+    pub fn sun_beams(&self, count: usize) -> Vec<Beam> {
+        let one = self.view.points().is_none() && self.widest_penumbra() < 1.0;
+        self.sun.beams(if one { 1 } else { count })
     }
 
     /// No penumbra in the air or on the ground is wider in the picture than this [pixels]; infinite where that cannot be said.
@@ -52,10 +53,10 @@ impl Conditions {
             1.0
         };
         let width = (length + radius) * 2.0 * self.sun.angular_radius.tan() * stretch;
-        let along = (self.camera.eye - middle).dot(down).clamp(0.0, length);
-        let nearest = self.camera.eye.distance(middle + along * down) - radius;
+        let along = (self.view.camera.eye - middle).dot(down).clamp(0.0, length);
+        let nearest = self.view.camera.eye.distance(middle + along * down) - radius;
         let pixel = self.smallest_pixel();
-        match self.camera.projection {
+        match self.view.camera.projection {
             Projection::Orthographic { .. } => width / pixel,
             _ if nearest <= 0.0 => f64::INFINITY,
             _ => width / nearest / pixel,
@@ -65,15 +66,15 @@ impl Conditions {
     /// The width of a pixel at a metre from the eye where it is least [m]: toward a perspective's corners it shrinks by cos2. A
     /// panorama's is that of its rows; in an orthographic view all are alike, anywhere.
     fn smallest_pixel(&self) -> f64 {
-        let at = |x: f64, y: f64| self.camera.ray(DVec2::new(x, y), self.size);
-        let [w, h] = self.size.map(f64::from);
+        let at = |x: f64, y: f64| self.view.camera.ray(DVec2::new(x, y), self.view.size);
+        let [w, h] = self.view.size.map(f64::from);
         let (x, y) = (0.5 * w, 0.5 * h);
         let (middle, below) = (at(x, y), at(x, y + 1.0));
-        match self.camera.projection {
+        match self.view.camera.projection {
             Projection::Orthographic { .. } => middle.origin.distance(below.origin),
             Projection::Panorama => middle.direction.distance(below.direction),
             Projection::Perspective { fov_y } => {
-                let [_, _, forward] = self.camera.axes();
+                let [_, _, forward] = self.view.camera.axes();
                 let cosine = [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)]
                     .map(|(x, y)| at(x, y).direction.dot(forward))
                     .into_iter()

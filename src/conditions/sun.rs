@@ -1,5 +1,6 @@
 //! The sun's disc as the scene sees it, and the points that stand for it.
 
+use crate::beam::Beam;
 use crate::colour::luminance;
 use crate::sky::{SunLight, sun};
 use glam::{DMat2, DVec2, DVec3};
@@ -16,15 +17,6 @@ pub struct Sun {
     pub angular_radius: f64,
     /// Whether the disc darkens toward its limb; a disc of given diameter is uniform.
     pub limb_darkening: bool,
-}
-
-/// One of the points that stand for the sun's disc.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SunPoint {
-    /// Unit vector toward it.
-    pub toward: DVec3,
-    /// Its share of the illuminance on a plane that faces it [lx, RGB].
-    pub illuminance: DVec3,
 }
 
 impl Sun {
@@ -106,10 +98,11 @@ impl Sun {
         points
     }
 
-    /// `count` points that stand for the part of the disc above the horizon; one for a point sun.
+    /// `count` beams that stand for cells of the part of the disc above the horizon; one for a point sun.
     ///
-    /// They lie on a spiral whose mean and spread are the disc's; together they give [`SunLight::illuminance`].
-    pub fn points(&self, count: usize) -> Vec<SunPoint> {
+    /// They lie on a spiral whose mean and spread are the disc's; together they give [`SunLight::illuminance`]. Their extent is
+    /// the radius of a circle with as much of the disc as each has.
+    pub fn beams(&self, count: usize) -> Vec<Beam> {
         let places = if self.angular_radius == 0.0 || count < 2 {
             vec![(DVec2::ZERO, DVec3::ONE)]
         } else {
@@ -136,11 +129,13 @@ impl Sun {
             points.push((top.normalize(), DVec3::ONE));
         }
         let sum: DVec3 = points.iter().map(|(_, weight)| *weight).sum();
+        let angular_radius = self.angular_radius / (points.len() as f64).sqrt();
         points
             .into_iter()
-            .map(|(toward, weight)| SunPoint {
+            .map(|(toward, weight)| Beam::Parallel {
                 toward,
                 illuminance: self.light.illuminance * weight / sum,
+                angular_radius,
             })
             .collect()
     }
@@ -171,15 +166,16 @@ mod tests {
             // Each channel's shares sum to one, which weights them a little differently.
             let near = if limb_darkening { 1e-4 } else { 1e-9 };
             for count in [2, 3, 4, 5, 16, 128] {
-                let points = sun.points(count);
+                let points = sun.beams(count);
                 assert_eq!(points.len(), count);
-                let place = |p: &SunPoint| {
-                    DVec2::new(p.toward.dot(x), p.toward.dot(y)) / sun.angular_radius.sin()
+                let place = |p: &Beam| {
+                    let toward = p.toward_from(DVec3::ZERO);
+                    DVec2::new(toward.dot(x), toward.dot(y)) / sun.angular_radius.sin()
                 };
                 let mean = |of: &dyn Fn(DVec2) -> f64| -> f64 {
                     points
                         .iter()
-                        .map(|p| luminance(p.illuminance) * of(place(p)))
+                        .map(|p| luminance(p.strength()) * of(place(p)))
                         .sum()
                 };
                 let [a, b] = [mean(&|p| p.x), mean(&|p| p.y)];

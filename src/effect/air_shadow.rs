@@ -11,8 +11,12 @@
 //! single scattering makes the air (T B >= W), exactly S is taken; where it is darker, the same share S / W of it. Sunlight that
 //! is scattered more than once gets into shadows all the same: it is part of T B - W.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Knob, Over, Pass, Resource};
+use super::{
+    Contribution, Decision, Effect, Field, Knob, Number, Over, Pass, Product, Resource, When,
+    sun_beams,
+};
 use crate::colour::luminance;
+use crate::conditions::Input;
 use crate::medium::{Air, Medium, Scattering};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -22,9 +26,7 @@ pub const AIR_SHADOW: Effect = Effect {
     name: "air_shadow",
     summary: "light that the sky lacks where geometry shadows the clear air",
     reads: &[Field::Surface, Field::Background],
-    writes: &[Field::AirShadow, Field::AirLight, Field::Background],
-    remembers: false,
-    method: None,
+    alters: &[Field::Background],
     knobs: &[
         Knob {
             name: "suns",
@@ -55,9 +57,8 @@ pub const AIR_SHADOW: Effect = Effect {
             Contribution::Estimate(0.1 * luminance(sky.horizontal_illuminance()) / PI),
         )
     },
-    reference: |conditions, settings| {
-        let suns = conditions.sun_points(settings.get("suns") as usize);
-        let toward: Vec<DVec3> = suns.iter().map(|sun| sun.toward).collect();
+    reference: |conditions, settings, _| {
+        let beams = sun_beams(conditions, settings);
         let air = conditions.air.with_sources(Medium::is_clear_air);
         let before_sky = conditions.air.before_sky();
         let far = far(&air);
@@ -67,14 +68,14 @@ pub const AIR_SHADOW: Effect = Effect {
                 if surface.is_met() || present == DVec3::ZERO {
                     return present;
                 }
-                conditions.geometry.dark_runs(ray, far, &toward, &mut dark);
+                conditions.geometry.dark_runs(ray, far, &beams, &mut dark);
                 let (mut shadow, mut whole) = (DVec3::ZERO, DVec3::ZERO);
-                for (sun, dark) in suns.iter().zip(&dark) {
+                for (beam, dark) in beams.iter().zip(&dark) {
                     let (origin, direction) = (ray.origin, ray.direction);
-                    let scattering = Scattering::new(&air, origin, direction, far, sun.toward);
-                    whole += sun.illuminance * scattering.integrate(0.0, far);
+                    let scattering = Scattering::new(&air, origin, direction, far, beam);
+                    whole += beam.strength() * scattering.integrate(0.0, far);
                     for [from, to] in dark {
-                        shadow += sun.illuminance * scattering.integrate(*from, *to);
+                        shadow += beam.strength() * scattering.integrate(*from, *to);
                     }
                 }
                 let end = before_sky.end(ray.origin, ray.direction);
@@ -87,34 +88,61 @@ pub const AIR_SHADOW: Effect = Effect {
         Pass {
             shader: SHADER,
             entry: "gather",
-            kind: Kind::EachSun("suns", Over::Pixels),
+            over: Over::Pixels,
+            when: When::EachBeam(sun_beams),
             uses: &[
                 Resource::Read(Field::Surface),
-                Resource::Update(Field::AirShadow),
-                Resource::Update(Field::AirLight),
-                Resource::Update(Field::Background),
-                Resource::Table(|conditions, settings| {
-                    vec![settings.get("steps") as f32, far(&conditions.air) as f32]
+                Resource::Make(&SHADOWED),
+                Resource::Make(&WHOLE),
+                Resource::Read(Field::Background),
+                Resource::Knobs(|conditions, settings| {
+                    vec![
+                        ("steps", Number::Count(settings.get("steps") as u32)),
+                        ("far", Number::float(far(&conditions.air))),
+                    ]
                 }),
             ],
-            scratch: &[],
         },
         Pass {
             shader: SHADER,
             entry: "take",
-            kind: Kind::Pixels,
+            over: Over::Pixels,
+            when: When::Tile,
             uses: &[
                 Resource::Read(Field::Surface),
-                Resource::Update(Field::AirShadow),
-                Resource::Update(Field::AirLight),
+                Resource::Make(&SHADOWED),
+                Resource::Make(&WHOLE),
                 Resource::Update(Field::Background),
             ],
-            scratch: &[],
         },
     ],
+    ..Effect::NOTHING
 };
 
 const SHADER: &str = include_str!("../../shaders/air_shadow.wgsl");
+
+/// A sum over beams, one value a pixel.
+const fn sum(name: &'static str) -> Product {
+    Product {
+        name,
+        wgsl: "array<vec4f>",
+        bytes: |extent| 16 * extent.pixels,
+        reads: &[
+            Input::Geometry,
+            Input::Media,
+            Input::Sun,
+            Input::View,
+            Input::Tile,
+        ],
+        zeroed: true,
+    }
+}
+
+/// Sunlight that the clear air before the sky would scatter where geometry shadows it [cd/m2].
+const SHADOWED: Product = sum("shadowed");
+
+/// Sunlight that the clear air before the sky would scatter without shadows [cd/m2].
+const WHOLE: Product = sum("whole");
 
 /// Distance up to which shadows in the clear air are seen before the sky [m].
 fn far(air: &Air) -> f64 {

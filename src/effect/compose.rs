@@ -2,7 +2,7 @@
 //!
 //! L = tau (L_sun + L_sky + L_lights + L_background) + L_inscatter. The air's own layers hold their attenuation already.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource};
+use super::{Contribution, Decision, Effect, Field, Over, Pass, Resource, When};
 
 const ATTENUATED: &[Field] = &[Field::Sun, Field::Sky, Field::Lights, Field::Background];
 
@@ -10,19 +10,10 @@ const ATTENUATED: &[Field] = &[Field::Sun, Field::Sky, Field::Lights, Field::Bac
 pub const COMPOSE: Effect = Effect {
     name: "compose",
     summary: "light of surfaces and background through the air to the eye",
-    reads: &[
-        Field::Sun,
-        Field::Sky,
-        Field::Lights,
-        Field::Background,
-        Field::Transmittance,
-    ],
-    writes: &[],
-    remembers: false,
-    method: None,
-    knobs: &[],
-    decide: |_| Decision::run("always", Contribution::Everything),
-    reference: |_, _| {
+    reads: &[Field::Transmittance],
+    alters: ATTENUATED,
+    decide: |_| Decision::run("light passes the air", Contribution::Everything),
+    reference: |_, _, _| {
         Box::new(|fields| {
             for layer in ATTENUATED {
                 fields.multiply(*layer, Field::Transmittance);
@@ -32,8 +23,9 @@ pub const COMPOSE: Effect = Effect {
     passes: &[Pass {
         shader: include_str!("../../shaders/compose.wgsl"),
         entry: "attenuate",
-        kind: Kind::EachField(ATTENUATED),
+        over: Over::Fields(ATTENUATED),
+        when: When::Tile,
         uses: &[Resource::Each, Resource::Read(Field::Transmittance)],
-        scratch: &[],
     }],
+    ..Effect::NOTHING
 };

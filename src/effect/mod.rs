@@ -3,15 +3,67 @@
 //! # How to add an effect
 //!
 //! Write `src/effect/<name>.rs` with its documentation (equations, source, what is neglected), a constant [`Effect`] and its
-//! tests, `shaders/<name>.wgsl` with the kernels that its [`Pass`]es name (without any, the CPU does its work), and name the constant in [`ALL`], after those whose fields it reads. The plan then lists it with its decision,
-//! reason and bound; `--force`, `--without` and `--set` reach it; the backends run it, the report times it and the parity tests compare it. A new kind of
-//! result is one more [`Field`].
+//! tests, `shaders/<name>.wgsl` with the kernels that its [`Pass`]es name, and name the constant in [`ALL`], after those whose
+//! fields it reads. The plan then lists it with its decision, reason and bound; `--force`, `--without` and `--set` reach it; the
+//! backends run it, the report times it and the parity tests compare it. A new kind of result is one more line of the table of
+//! [`Field`]s.
 //!
-//! An effect has no state. `decide` tells before anything is rendered whether the scene calls for it; `reference` prepares
-//! what a frame needs once and returns the function that is run on batches of rays.
+//! ## On the CPU
+//!
+//! `decide` tells before anything is rendered whether the scene calls for it. `reference` prepares what a frame needs once and
+//! returns the function that is run on batches of rays: [`Fields::update`] goes through the rays with their surfaces. Physics is
+//! f64.
+//!
+//! ## On a GPU
+//!
+//! Without [`Pass`]es the CPU does its work there too, between the GPU's: the fields that it reads, writes or alters are fetched
+//! from the device as the effects before it left them, and brought back. Nothing need be done for it.
+//!
+//! A pass is one entry point. What the backend prints before the shader's text:
+//! - a declaration for each of the pass's `uses`, in bind group 1, under the names that [`Resource`] tells. A field is
+//!   `array<vec4f>`, one value a pixel, RGB in `xyz`; add to it (`lights[i] += ...`), since others may have;
+//! - `shaders/common`: `tile` (the tile, the camera), `rays`, `media`, and their functions; in passes for each beam `beam` and its
+//!   maps. These names and those of the functions there are taken: the test `shaders_are_valid` tells of one that is used twice;
+//! - constants that Rust and WGSL share ([`crate::backend::gpu`]), so that no number stands twice.
+//!
+//! A pass over pixels has `@workgroup_size(8, 8)`, and begins by leaving those outside the picture alone:
+//!
+//! ```wgsl
+//! @compute @workgroup_size(8, 8)
+//! fn glow(@builtin(global_invocation_id) id: vec3u) {
+//!     if !inside_tile(id) {
+//!         return;
+//!     }
+//!     let i = pixel_index(id);
+//!     lights[i] += vec4f(knobs.strength * surfaces[i].albedo, 0.0);
+//! }
+//! ```
+//!
+//! Its ray begins at `ray_origin(id)`, relative to the eye, in the direction `ray_direction(id)`, and meets its surface at
+//! `surfaces[i].distance`; a surface of number 0 is none. All of this effect stands in `tests/added_effect.rs`, which takes the
+//! text above from here.
+//!
+//! ## What an effect may keep, and for how long
+//!
+//! An effect itself has no state: it is data and functions. What it finds out and needs again it declares, with what that is
+//! made of ([`Input`](crate::conditions::Input)), and the backend keeps it for as long as that is so:
+//!
+//! | made of | lives | on the GPU, a [`Product`] | on the CPU, a [`Keep`] |
+//! |---|---|---|---|
+//! | a beam | until the next beam | rows of the rectified map | |
+//! | a tile | until the next tile or sample | sums over beams | |
+//! | the view | until the camera moves | what depends on pixels | caches of what is seen |
+//! | sun, sky, media | until the moment changes | light in the air | the sky's light on surfaces |
+//! | geometry, materials alone | as long as the scene | form factors | form factors |
+//!
+//! A change of any of the effect's knobs ends it too. Products are filled by passes that run when they are needed:
+//! [`When::Once`], or [`When::Until`] a condition holds that is read back from the device; on the CPU by the function that is given
+//! to [`Kept::get`]. A result that depends on something it does not name is wrong as soon as that changes: name it.
 
 pub mod air_shadow;
 pub mod compose;
+mod fields;
+mod kept;
 pub mod pass;
 pub mod rows;
 pub mod shadow;
@@ -28,11 +80,15 @@ pub mod surface_sun;
 pub mod transmittance;
 pub mod visibility;
 
+use crate::beam::Beam;
 use crate::conditions::Conditions;
-use crate::scene::Ray;
-use glam::{DVec3, UVec2};
 
-pub use pass::{Kind, Over, Pass, Resource, Scratch};
+pub use crate::frame::Field;
+pub use fields::{Fields, Source, Surface};
+pub use kept::{Keep, Kept};
+pub use pass::{
+    Extent, Life, Loop, MapSettings, Number, Over, Pass, Product, RasterView, Resource, When,
+};
 pub use shafts::Method;
 
 /// Every effect, in the order in which they run: each after those whose fields it reads.
@@ -59,12 +115,14 @@ pub struct Effect {
     pub name: &'static str,
     /// What it adds to the picture, in a few words.
     pub summary: &'static str,
-    /// The fields that must have been written before.
+    /// The fields that effects before it must have written.
     pub reads: &'static [Field],
     /// The fields it writes or adds to.
     pub writes: &'static [Field],
-    /// Whether the reference keeps results from pixel to pixel, so that later pixels cost less.
-    pub remembers: bool,
+    /// The fields it changes where effects before it wrote them; one that nobody wrote is left alone.
+    pub alters: &'static [Field],
+    /// What its reference keeps from ray to ray and frame to frame, so that later ones cost less.
+    pub keeps: &'static [&'static Keep],
     /// Which way of integrating sunlight in the air it is: of all that are one, a plan runs one.
     pub method: Option<Method>,
     /// What can be set by `--set <name>.<knob>=<value>`.
@@ -72,16 +130,42 @@ pub struct Effect {
     /// Whether the scene calls for it, and what would be missing without it.
     pub decide: fn(&Conditions) -> Decision,
     /// The slow and exact way on the CPU, in f64: prepared once a frame, then run on batches of rays on all cores.
-    pub reference: for<'a> fn(&'a Conditions, &Settings<'_>) -> Batch<'a>,
+    pub reference: for<'a> fn(&'a Conditions, &Settings<'_>, &Kept) -> Batch<'a>,
     /// What it does on a GPU; empty: `reference` does it on the CPU there too.
     pub passes: &'static [Pass],
 }
 
 impl Effect {
+    /// One that does nothing: what an effect does not say is as here.
+    pub const NOTHING: Effect = Effect {
+        name: "nothing",
+        summary: "",
+        reads: &[],
+        writes: &[],
+        alters: &[],
+        keeps: &[],
+        method: None,
+        knobs: &[],
+        decide: |_| Decision::nothing("there is nothing to do"),
+        reference: |_, _, _| Box::new(|_| {}),
+        passes: &[],
+    };
+
+    /// Whether it draws the shadow maps of beams.
+    pub fn draws_maps(&self) -> bool {
+        let beam = |pass: &Pass| matches!(pass.over, Over::Raster(RasterView::Beam(_)));
+        self.passes.iter().any(beam)
+    }
+
     /// Whether a user who writes `name` means it: its own name, or `shafts` for all methods of integrating sunlight in air.
     pub fn is_called(&self, name: &str) -> bool {
         self.name == name || (name == "shafts" && self.method.is_some())
     }
+}
+
+/// The beams of the sun's disc, as many as the knob `suns` says, or one where no penumbra is as wide as a pixel.
+pub fn sun_beams(conditions: &Conditions, settings: &Settings<'_>) -> Vec<Beam> {
+    conditions.sun_beams(settings.get("suns") as usize)
 }
 
 /// What an effect does to a batch of rays.
@@ -157,6 +241,7 @@ impl Decision {
 }
 
 /// The knobs of one effect as a plan has set them.
+#[derive(Debug, Clone, Copy)]
 pub struct Settings<'a> {
     /// The knobs' names and values.
     pub values: &'a [(&'static str, f64)],
@@ -170,187 +255,5 @@ impl Settings<'_> {
             .find(|(name, _)| *name == knob)
             .map(|(_, value)| *value)
             .expect("an effect asks only for knobs that it declares")
-    }
-}
-
-/// An intermediate or final result: one value a ray.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Field {
-    /// The surface that the ray meets.
-    Surface,
-    /// Share of light that comes through from the ray's end to the eye [1], RGB.
-    Transmittance,
-    /// Sunlight reflected by surfaces [cd/m2].
-    Sun,
-    /// Sky light reflected by surfaces [cd/m2].
-    Sky,
-    /// Light of lamps reflected by surfaces [cd/m2].
-    Lights,
-    /// Sky and disc seen directly [cd/m2].
-    Background,
-    /// Sunlight scattered by the air [cd/m2].
-    InscatterSun,
-    /// Sky light scattered by the air [cd/m2].
-    InscatterSky,
-    /// Light of lamps scattered by the air [cd/m2].
-    InscatterLights,
-    /// Sunlight that the clear air before the sky would scatter where geometry shadows it [cd/m2].
-    AirShadow,
-    /// Sunlight that the clear air before the sky would scatter without shadows [cd/m2].
-    AirLight,
-}
-
-impl Field {
-    /// The fields whose sum is the picture.
-    pub const LAYERS: [Field; 7] = [
-        Field::Sun,
-        Field::Sky,
-        Field::Lights,
-        Field::Background,
-        Field::InscatterSun,
-        Field::InscatterSky,
-        Field::InscatterLights,
-    ];
-
-    /// Its name in files and reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Field::Surface => "surface",
-            Field::Transmittance => "transmittance",
-            Field::Sun => "sun",
-            Field::Sky => "sky",
-            Field::Lights => "lights",
-            Field::Background => "background",
-            Field::InscatterSun => "inscatter_sun",
-            Field::InscatterSky => "inscatter_sky",
-            Field::InscatterLights => "inscatter_lights",
-            Field::AirShadow => "air_shadow",
-            Field::AirLight => "air_light",
-        }
-    }
-}
-
-/// What a ray meets.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surface {
-    /// What it belongs to.
-    pub source: Source,
-    /// Distance along the ray [m]; infinite where nothing is met.
-    pub distance: f64,
-    /// Position [m].
-    pub position: DVec3,
-    /// Unit normal that shading uses, on the eye's side.
-    pub normal: DVec3,
-    /// Unit normal of the triangle itself, on the eye's side.
-    pub facet: DVec3,
-    /// Reflectance in the working space, 0 to 1.
-    pub albedo: DVec3,
-}
-
-/// What a surface belongs to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Source {
-    /// Nothing is met.
-    Nothing,
-    /// The endless ground plane.
-    Ground,
-    /// A triangle of the scene, with the weights of its second and third vertex.
-    Triangle(u32, [f64; 2]),
-}
-
-impl Surface {
-    /// What a ray that meets nothing has.
-    pub const NOTHING: Surface = Surface {
-        source: Source::Nothing,
-        distance: f64::INFINITY,
-        position: DVec3::ZERO,
-        normal: DVec3::ZERO,
-        facet: DVec3::ZERO,
-        albedo: DVec3::ZERO,
-    };
-
-    /// Whether something is met.
-    pub fn is_met(&self) -> bool {
-        self.source != Source::Nothing
-    }
-}
-
-/// A batch of rays and what the effects have found on them.
-pub struct Fields {
-    /// The rays.
-    pub rays: Vec<Ray>,
-    /// The pixel that each ray belongs to.
-    pub pixels: Vec<UVec2>,
-    /// [`Field::Surface`].
-    pub surfaces: Vec<Surface>,
-    values: [Option<Vec<DVec3>>; 10],
-}
-
-fn slot(field: Field) -> usize {
-    match field {
-        Field::Surface => unreachable!("surfaces are not colours"),
-        Field::Transmittance => 0,
-        Field::Sun => 1,
-        Field::Sky => 2,
-        Field::Lights => 3,
-        Field::Background => 4,
-        Field::InscatterSun => 5,
-        Field::InscatterSky => 6,
-        Field::InscatterLights => 7,
-        Field::AirShadow => 8,
-        Field::AirLight => 9,
-    }
-}
-
-impl Fields {
-    /// A batch with room for the fields that its effects write, and no other.
-    pub fn new(rays: Vec<Ray>, pixels: Vec<UVec2>, written: &[Field]) -> Self {
-        let count = rays.len();
-        let mut fields = Fields {
-            rays,
-            pixels,
-            surfaces: Vec::new(),
-            values: Default::default(),
-        };
-        for &field in written {
-            match field {
-                Field::Surface => fields.surfaces = vec![Surface::NOTHING; count],
-                Field::Transmittance => fields.values[slot(field)] = Some(vec![DVec3::ONE; count]),
-                _ => fields.values[slot(field)] = Some(vec![DVec3::ZERO; count]),
-            }
-        }
-        fields
-    }
-
-    /// The values of a field, one a ray; `None` when no effect of the plan writes it.
-    pub fn get(&self, field: Field) -> Option<&[DVec3]> {
-        self.values[slot(field)].as_deref()
-    }
-
-    /// Sets every value of a field to what `value` makes of the ray, the pixel, the surface and the present value.
-    pub fn update(
-        &mut self,
-        field: Field,
-        mut value: impl FnMut(&Ray, UVec2, &Surface, DVec3) -> DVec3,
-    ) {
-        let Some(values) = self.values[slot(field)].as_mut() else {
-            return;
-        };
-        for (i, present) in values.iter_mut().enumerate() {
-            *present = value(&self.rays[i], self.pixels[i], &self.surfaces[i], *present);
-        }
-    }
-
-    /// Multiplies one field by another.
-    pub fn multiply(&mut self, field: Field, by: Field) {
-        let Some(factors) = self.values[slot(by)].take() else {
-            return;
-        };
-        if let Some(values) = self.values[slot(field)].as_mut() {
-            for (value, factor) in values.iter_mut().zip(&factors) {
-                *value *= *factor;
-            }
-        }
-        self.values[slot(by)] = Some(factors);
     }
 }

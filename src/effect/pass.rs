@@ -5,103 +5,213 @@
 //! without passes is done on the CPU by its `reference`, under every backend.
 
 use super::{Field, Settings};
-use crate::conditions::Conditions;
+use crate::beam::Beam;
+use crate::conditions::{Conditions, Input};
 
 /// One piece of an effect's work on a GPU.
 pub struct Pass {
-    /// The shader's text (WGSL), to be read after all of `shaders/common`.
+    /// The shader's text (WGSL). The backend puts before it all of `shaders/common` that every pass sees, and one declaration for
+    /// each of `uses`.
     pub shader: &'static str,
     /// Its entry point, by which reports name the pass. A raster pass has `<entry>_vertex` and `<entry>_fragment`.
     pub entry: &'static str,
     /// What one run of it covers.
-    pub kind: Kind,
-    /// What the shader sees in its bind group 1, in the order of the bindings.
+    pub over: Over,
+    /// When it runs, and how often.
+    pub when: When,
+    /// What the shader sees in its bind group 1, in the order of the bindings, each under the name that
+    /// [`Resource`] tells.
     pub uses: &'static [Resource],
-    /// What it leaves for the effect's later passes, its bind group 3, in the order of the bindings.
-    pub scratch: &'static [Scratch],
-}
-
-/// A buffer that the passes of one effect share while they work on one tile and one point of the sun.
-#[derive(Clone, Copy)]
-pub struct Scratch {
-    /// What it holds.
-    pub name: &'static str,
-    /// Its size [bytes] for an effect's knobs and a tile of so many pixels.
-    pub bytes: fn(&Settings<'_>, u64) -> u64,
 }
 
 /// What one run of a pass covers.
-#[derive(Debug, Clone, Copy)]
-pub enum Kind {
-    /// One invocation for each pixel of a tile.
-    Pixels,
-    /// Once for each point of the sun's disc, whose number is the effect's knob of that name. The shader sees that point and
-    /// its shadow maps in its bind group 2. Such passes of all effects run in turns, point by point, when the first of them
-    /// would: they read nothing that a pass of another kind writes after that.
-    EachSun(&'static str, Over),
-    /// One invocation for each pixel of a tile, once for each of these fields that the plan makes ([`Resource::Each`]).
-    EachField(&'static [Field]),
-    /// Draws all triangles as the camera sees them; their numbers, from 1, become the tile's [`Resource::Numbers`].
-    Picture,
-    /// Draws all triangles as the sun sees them into the z-partitions' depth maps, whenever a pass needs those.
-    SunMaps,
-}
-
-/// What a pass for a point of the sun covers.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub enum Over {
     /// One invocation for each pixel of a tile, in workgroups of 8 by 8.
     Pixels,
+    /// The same, once for each of these fields that the plan makes ([`Resource::Each`]).
+    Fields(&'static [Field]),
     /// So many workgroups.
-    Groups(fn(&Settings<'_>) -> [u32; 2]),
+    Groups(fn(&Extent<'_>) -> [u32; 2]),
+    /// All triangles, drawn.
+    Raster(RasterView),
 }
 
-/// What a shader sees. A pass whose fields nobody writes does not run.
+/// From where triangles are drawn.
+#[derive(Clone, Copy)]
+pub enum RasterView {
+    /// From the camera: the numbers of triangles, from 1, become the tile's [`Resource::Numbers`]. The function says whether rays at
+    /// silhouettes are traced on the CPU, since a rasteriser rounds corners.
+    Camera(fn(&Settings<'_>) -> bool),
+    /// From where a beam comes from: depths and numbers become the maps that `shaders/common/beam.wgsl` reads, whenever a pass
+    /// that runs for each beam needs them.
+    Beam(fn(&Settings<'_>) -> MapSettings),
+    /// Into the five faces of a hemicube, of so many texels on a side: the numbers of triangles, from 1, become the effect's
+    /// [`Resource::Faces`]. Where it stands and looks is up to the vertex shader, whose instance is the face: the one in front has
+    /// the whole side, the four around it too, of which the half in front of the surface counts.
+    Hemicube(fn(&Extent<'_>) -> u32),
+}
+
+/// How the shadow maps of beams are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapSettings {
+    /// Parts of the camera's depth, one map each.
+    pub partitions: usize,
+    /// Share of logarithmic spacing in the split of the camera's depth; the rest is even.
+    pub logarithmic: f64,
+    /// The most texels on a side of a map.
+    pub most: u32,
+    /// Texels across a pixel's width in the middle of each partition, as far as `most` allows.
+    pub density: f64,
+}
+
+/// When a pass runs, and how often.
+#[derive(Clone, Copy)]
+pub enum When {
+    /// Once for each tile of the picture and each sample of its pixels.
+    Tile,
+    /// For each tile, once for each of these beams, which the shader sees with its shadow maps in its bind group 2. Such passes
+    /// of all effects run in turns, beam by beam, so that maps are drawn once for all.
+    EachBeam(fn(&Conditions, &Settings<'_>) -> Vec<Beam>),
+    /// Once, before the first tile and only when a [`Product`] that it makes is not there or what that was made of has changed.
+    Once,
+    /// Like [`When::Once`], but together with the effect's other passes of the same loop, again and again until the loop's
+    /// condition holds.
+    Until(&'static Loop),
+}
+
+/// Passes that run in turns until a condition holds, which is read back from the device.
+pub struct Loop {
+    /// What is read back. Its bytes are given to `holds`.
+    pub condition: &'static Product,
+    /// Whether the passes are done, from the numbers that they left there.
+    pub holds: fn(&[u32], &Settings<'_>) -> bool,
+    /// Turns between two looks, at least 1: a look waits for the device.
+    pub turns: u32,
+    /// After so many turns the loop ends, whatever the condition says.
+    pub most: fn(&Settings<'_>) -> u32,
+}
+
+/// A buffer that passes of one effect leave for later ones. How long it lives follows from what it reads: for a beam, for a tile,
+/// or over tiles, frames and moments until any of its inputs, or a knob of its effect, has changed.
+#[derive(Clone, Copy)]
+pub struct Product {
+    /// What it holds: its name in the shader too.
+    pub name: &'static str,
+    /// Its type in the shader, for example `array<vec4f>`.
+    pub wgsl: &'static str,
+    /// Its size [bytes].
+    pub bytes: fn(&Extent<'_>) -> u64,
+    /// What it is made of.
+    pub reads: &'static [Input],
+    /// Whether it begins its life as zeros; else as what stood there.
+    pub zeroed: bool,
+}
+
+/// How long a product lives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Life {
+    /// Until the next beam.
+    Beam,
+    /// Until the next tile or sample.
+    Tile,
+    /// Until what it is made of changes.
+    Kept,
+}
+
+impl Product {
+    /// How long it lives.
+    pub fn life(&self) -> Life {
+        if self.reads.contains(&Input::Beam) {
+            Life::Beam
+        } else if self.reads.contains(&Input::Tile) {
+            Life::Tile
+        } else {
+            Life::Kept
+        }
+    }
+}
+
+/// What decides how large something is.
+pub struct Extent<'a> {
+    /// The conditions.
+    pub conditions: &'a Conditions,
+    /// The effect's knobs.
+    pub settings: Settings<'a>,
+    /// Pixels of a tile.
+    pub pixels: u64,
+}
+
+/// A number that a shader knows by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Number {
+    /// `f32`
+    Float(f32),
+    /// `u32`
+    Count(u32),
+}
+
+impl Number {
+    /// A knob that counts: rounded, as `u32`.
+    pub fn count(value: f64) -> Self {
+        Number::Count(value.round() as u32)
+    }
+
+    /// A knob that measures, as `f32`.
+    pub fn float(value: f64) -> Self {
+        Number::Float(value as f32)
+    }
+}
+
+/// What a shader sees. A pass one of whose fields nobody writes does not run.
 #[derive(Clone, Copy)]
 pub enum Resource {
-    /// A field, one value a pixel.
+    /// A field, one value a pixel, under its own name: `array<vec4f>`; [`Field::Surface`] is `surfaces: array<Surface>`.
     Read(Field),
-    /// A field that is written or added to.
+    /// The same, to be written or added to.
     Update(Field),
-    /// The field that is at hand in [`Kind::EachField`].
+    /// The field that is at hand in [`Over::Fields`], to be written: `layer`.
     Each,
-    /// The number of the triangle in each pixel, 0 for none: a texture.
+    /// A product that an earlier pass of the effect made, under its own name.
+    Use(&'static Product),
+    /// A product that this pass makes or goes on with, under its own name.
+    Make(&'static Product),
+    /// The number of the triangle in each pixel, 0 for none: `numbers: texture_2d<u32>`.
     Numbers,
-    /// Corners of the triangles, relative to the eye.
+    /// Those in each texel of a hemicube: `faces: texture_2d_array<u32>`.
+    Faces,
+    /// Corners of the triangles, relative to the scene's anchor (`eye_relative` makes them relative to the eye): `corners: array<f32>`.
     Corners,
-    /// Normals, texture coordinates and colours at these corners.
+    /// Normals, texture coordinates and colours at these corners: `attributes: array<Attributes>`.
     Attributes,
-    /// Each triangle's material.
+    /// Each triangle's material: `material_of: array<u32>`.
     MaterialOf,
-    /// The materials.
+    /// The materials: `materials: array<Material>`.
     Materials,
-    /// Texels of all textures.
+    /// Texels of all textures: `texels: array<u32>`.
     Texels,
-    /// Numbers that the effect prepares once a frame.
+    /// Numbers by name: `knobs: Knobs`, a struct with just these members.
+    Knobs(fn(&Conditions, &Settings<'_>) -> Vec<(&'static str, Number)>),
+    /// Numbers that the effect prepares: `table: array<f32>`.
     Table(fn(&Conditions, &Settings<'_>) -> Vec<f32>),
+    /// The sky, if there is one: `sky(direction)` and what else `shaders/common/sky_table.wgsl` has.
+    Sky,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::effect::ALL;
-
-    #[test]
-    fn passes_for_points_of_the_sun_read_nothing_that_others_write_after_the_first_of_them() {
-        let passes = || ALL.iter().flat_map(|effect| effect.passes);
-        let is_each_sun = |pass: &&Pass| matches!(pass.kind, Kind::EachSun(..));
-        let mut written = Vec::new();
-        for pass in passes().skip_while(|pass| !is_each_sun(pass)) {
-            for resource in pass.uses {
-                match resource {
-                    Resource::Read(field) | Resource::Update(field) if is_each_sun(&pass) => {
-                        assert!(!written.contains(field), "{}: {field:?}", pass.entry);
-                    }
-                    Resource::Update(field) => written.push(*field),
-                    _ => {}
-                }
-            }
+impl Resource {
+    /// The field that is read or updated.
+    pub fn field(&self) -> Option<Field> {
+        match self {
+            Resource::Read(field) | Resource::Update(field) => Some(*field),
+            _ => None,
         }
-        assert!(written.contains(&Field::Background));
+    }
+
+    /// The product that is used or made.
+    pub fn product(&self) -> Option<&'static Product> {
+        match self {
+            Resource::Use(product) | Resource::Make(product) => Some(product),
+            _ => None,
+        }
     }
 }

@@ -24,8 +24,8 @@
 //! the place across it, and the number that a ray keeps is its offset along m = sin(theta) w - cos(theta) e, e the unit vector
 //! across w in the slice: d = h sin(theta) - a cos(theta) against c = o . m.
 
-use super::{Kind, Knob, Over, Pass, Resource, Scratch, Settings};
-use crate::effect::Field;
+use super::{Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, sun_beams};
+use crate::conditions::Input;
 
 /// Columns of a leaf times the children of the nodes of three levels: rows are as long as a multiple of this.
 const COLUMNS_STEP: u32 = 512;
@@ -69,56 +69,76 @@ pub fn columns(settings: &Settings<'_>) -> u32 {
     (settings.get("columns") as u32).div_ceil(COLUMNS_STEP) * COLUMNS_STEP
 }
 
-/// The first two numbers of the table of an effect that has rows.
-pub fn table(settings: &Settings<'_>) -> Vec<f32> {
-    vec![rows(settings) as f32, columns(settings) as f32]
+/// The numbers that shaders with rows know.
+pub fn knobs(settings: &Settings<'_>) -> Vec<(&'static str, Number)> {
+    vec![
+        ("rows", Number::Count(rows(settings))),
+        ("columns", Number::Count(columns(settings))),
+    ]
 }
 
-/// What the tile's pixels ask for, and the rows with their trees.
-pub const SCRATCH: [Scratch; 2] = [
-    Scratch {
-        name: "bounds of rows",
-        bytes: |_, _| 64,
-    },
-    Scratch {
-        name: "rows around the sun (their knobs rows and columns)",
-        // 16 bytes for each 8, 32, 128 and 512 columns.
-        bytes: |settings, _| {
-            16 * 85 * u64::from(most_rows(settings)) * u64::from(columns(settings) / COLUMNS_STEP)
-        },
-    },
+/// What rows are made of, which makes their life that of a beam in a tile.
+pub const MADE_OF: &[Input] = &[
+    Input::Geometry,
+    Input::Materials,
+    Input::View,
+    Input::Tile,
+    Input::Beam,
 ];
 
-const SHADER: &str = include_str!("../../shaders/rows.wgsl");
+/// Least and greatest row coordinate, a and c that the tile's pixels ask for, as integers of the same order.
+pub const ASKED: Product = Product {
+    name: "asked",
+    wgsl: "array<atomic<u32>, 16>",
+    bytes: |_| 64,
+    reads: MADE_OF,
+    zeroed: false,
+};
+
+/// The rows with their trees. Row by row: leaves of eight columns each, 16 bits a column; then nodes, least (low half) and greatest
+/// (high half) threshold of four children each: of 8, then of 32, then of 128 columns.
+pub const TREE: Product = Product {
+    name: "tree",
+    wgsl: "array<vec4u>",
+    // 16 bytes for each 8, 32, 128 and 512 columns.
+    bytes: |extent| {
+        let settings = &extent.settings;
+        16 * 85 * u64::from(most_rows(settings)) * u64::from(columns(settings) / COLUMNS_STEP)
+    },
+    reads: MADE_OF,
+    zeroed: false,
+};
+
+const SHADER: &str = concat!(
+    include_str!("../../shaders/rows.wgsl"),
+    include_str!("../../shaders/common/rows.wgsl"),
+);
 
 const USES: &[Resource] = &[
     Resource::Read(Field::Surface),
-    Resource::Table(|_, settings| table(settings)),
+    Resource::Knobs(|_, settings| knobs(settings)),
+    Resource::Make(&ASKED),
+    Resource::Make(&TREE),
 ];
 
+const fn pass(entry: &'static str, over: Over) -> Pass {
+    Pass {
+        shader: SHADER,
+        entry,
+        over,
+        when: When::EachBeam(sun_beams),
+        uses: USES,
+    }
+}
+
 /// Nothing has been asked for yet.
-pub const BEGIN: Pass = Pass {
-    shader: SHADER,
-    entry: "begin",
-    kind: Kind::EachSun("suns", Over::Groups(|_| [1, 1])),
-    uses: USES,
-    scratch: &SCRATCH,
-};
+pub const BEGIN: Pass = pass("begin", Over::Groups(|_| [1, 1]));
 
 /// What the pixels of the tile ask for.
-pub const MEASURE: Pass = Pass {
-    shader: SHADER,
-    entry: "measure",
-    kind: Kind::EachSun("suns", Over::Pixels),
-    uses: USES,
-    scratch: &SCRATCH,
-};
+pub const MEASURE: Pass = pass("measure", Over::Pixels);
 
 /// Reads the z-partitions' maps into rows and builds their trees, one workgroup a row.
-pub const BUILD: Pass = Pass {
-    shader: SHADER,
-    entry: "build",
-    kind: Kind::EachSun("suns", Over::Groups(|settings| [most_rows(settings), 1])),
-    uses: USES,
-    scratch: &SCRATCH,
-};
+pub const BUILD: Pass = pass(
+    "build",
+    Over::Groups(|extent| [most_rows(&extent.settings), 1]),
+);

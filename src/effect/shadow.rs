@@ -14,16 +14,14 @@
 //!
 //! The reference traces exact shadows and has nothing to do here.
 
-use super::{Contribution, Decision, Effect, Kind, Knob, Pass, Resource};
+use super::{
+    Contribution, Decision, Effect, Knob, MapSettings, Over, Pass, RasterView, Resource, When,
+};
 
 /// Shadow maps.
 pub const SHADOW: Effect = Effect {
     name: "shadow",
     summary: "z-partitioned shadow maps (GPU; the reference traces shadows)",
-    reads: &[],
-    writes: &[],
-    remembers: false,
-    method: None,
     knobs: &[
         Knob {
             name: "partitions",
@@ -56,17 +54,22 @@ pub const SHADOW: Effect = Effect {
         }
         Decision::run("sunlight meets surfaces", Contribution::Everything)
     },
-    reference: |_, _| Box::new(|_| {}),
     passes: &[Pass {
         shader: include_str!("../../shaders/shadow.wgsl"),
         entry: "map",
-        kind: Kind::SunMaps,
+        over: Over::Raster(RasterView::Beam(|settings| MapSettings {
+            partitions: settings.get("partitions") as usize,
+            logarithmic: settings.get("split"),
+            most: settings.get("resolution") as u32,
+            density: settings.get("density"),
+        })),
+        when: When::Tile,
         uses: &[
             Resource::Attributes,
             Resource::MaterialOf,
             Resource::Materials,
             Resource::Texels,
         ],
-        scratch: &[],
     }],
+    ..Effect::NOTHING
 };

@@ -9,7 +9,7 @@
 //! Multiple scattering is not simulated: in air of optical depth tau and single-scattering albedo w about w tau / 2 of the
 //! scattered light is missing from each further order.
 
-use super::{Batch, Contribution, Decision, Field, Knob, Settings};
+use super::{Batch, Contribution, Decision, Field, Kept, Knob, Settings, sun_beams};
 use crate::conditions::Conditions;
 use crate::medium::Scattering;
 use crate::scene::curtain::complement;
@@ -98,9 +98,8 @@ pub fn decide(conditions: &Conditions) -> Decision {
 }
 
 /// The exact lit runs and their integrals, for whichever method.
-pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>) -> Batch<'a> {
-    let suns = conditions.sun_points(settings.get("suns") as usize);
-    let toward: Vec<DVec3> = suns.iter().map(|sun| sun.toward).collect();
+pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Kept) -> Batch<'a> {
+    let beams = sun_beams(conditions, settings);
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
     Box::new(move |fields| {
@@ -115,12 +114,12 @@ pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>) -> Bat
             if end <= 0.0 {
                 return present;
             }
-            conditions.geometry.dark_runs(ray, end, &toward, &mut dark);
+            conditions.geometry.dark_runs(ray, end, &beams, &mut dark);
             let mut sum = DVec3::ZERO;
-            for (sun, dark) in suns.iter().zip(&dark) {
-                let scattering = Scattering::new(air, ray.origin, ray.direction, end, sun.toward);
+            for (beam, dark) in beams.iter().zip(&dark) {
+                let scattering = Scattering::new(air, ray.origin, ray.direction, end, beam);
                 for [from, to] in complement(dark, end) {
-                    sum += sun.illuminance * scattering.integrate(from, to);
+                    sum += beam.strength() * scattering.integrate(from, to);
                 }
             }
             present + sum

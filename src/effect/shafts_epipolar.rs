@@ -18,7 +18,10 @@
 //! ray need no samples: their pixels read that place.
 
 use super::shafts::{self, Method, SUNS};
-use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, Scratch, Settings, rows};
+use super::{
+    Effect, Extent, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, rows,
+    sun_beams,
+};
 
 /// Sparse rays.
 pub const SHAFTS_EPIPOLAR: Effect = Effect {
@@ -26,7 +29,6 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
     summary: "sunlight scattered by the air, at sparse places of rows around the sun and between them",
     reads: &[Field::Surface],
     writes: &[Field::InscatterSun],
-    remembers: false,
     method: Some(Method::Epipolar),
     knobs: &[
         SUNS,
@@ -58,32 +60,27 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
         rows::BEGIN,
         rows::MEASURE,
         rows::BUILD,
-        Pass {
-            shader: SHADER,
-            entry: "place",
-            kind: Kind::EachSun(
-                "suns",
-                Over::Groups(|settings| [samples(settings) / 16, slices(settings).div_ceil(16)]),
-            ),
-            uses: USES,
-            scratch: SCRATCH,
-        },
-        over_samples("seed", |settings| groups(settings, 16)),
-        over_samples("refine_16", |settings| groups(settings, 16)),
-        over_samples("refine_8", |settings| groups(settings, 8)),
-        over_samples("refine_4", |settings| groups(settings, 4)),
-        over_samples("refine_2", |settings| groups(settings, 2)),
-        Pass {
-            shader: SHADER,
-            entry: "unwarp",
-            kind: Kind::EachSun("suns", Over::Pixels),
-            uses: USES,
-            scratch: SCRATCH,
-        },
+        pass(
+            "place",
+            Over::Groups(|extent| {
+                let settings = &extent.settings;
+                [samples(settings) / 16, slices(settings).div_ceil(16)]
+            }),
+        ),
+        pass("seed", Over::Groups(|extent| groups(extent, 16))),
+        pass("refine_16", Over::Groups(|extent| groups(extent, 16))),
+        pass("refine_8", Over::Groups(|extent| groups(extent, 8))),
+        pass("refine_4", Over::Groups(|extent| groups(extent, 4))),
+        pass("refine_2", Over::Groups(|extent| groups(extent, 2))),
+        pass("unwarp", Over::Pixels),
     ],
+    ..Effect::NOTHING
 };
 
-const SHADER: &str = include_str!("../../shaders/shafts_epipolar.wgsl");
+const SHADER: &str = concat!(
+    include_str!("../../shaders/shafts_epipolar.wgsl"),
+    include_str!("../../shaders/common/rows.wgsl"),
+);
 
 fn slices(settings: &Settings<'_>) -> u32 {
     (settings.get("slices") as u32).min(rows::most_rows(settings))
@@ -95,38 +92,49 @@ fn samples(settings: &Settings<'_>) -> u32 {
 }
 
 /// Workgroups of 8 by 8 that cover all slices and the samples of each that are so far `apart`.
-fn groups(settings: &Settings<'_>, apart: u32) -> [u32; 2] {
+fn groups(extent: &Extent<'_>, apart: u32) -> [u32; 2] {
+    let settings = &extent.settings;
     [slices(settings), samples(settings) / apart].map(|count| count.div_ceil(8))
 }
 
-/// A pass over samples.
-const fn over_samples(entry: &'static str, groups: fn(&Settings<'_>) -> [u32; 2]) -> Pass {
+const fn pass(entry: &'static str, over: Over) -> Pass {
     Pass {
         shader: SHADER,
         entry,
-        kind: Kind::EachSun("suns", Over::Groups(groups)),
+        over,
+        when: When::EachBeam(sun_beams),
         uses: USES,
-        scratch: SCRATCH,
     }
 }
 
 const USES: &[Resource] = &[
     Resource::Read(Field::Surface),
-    Resource::Table(|_, settings| {
-        let mut table = rows::table(settings);
-        table.extend([slices(settings) as f32, samples(settings) as f32]);
-        table.extend(["tolerance", "halvings"].map(|knob| settings.get(knob) as f32));
-        table
+    Resource::Knobs(|_, settings| {
+        let mut knobs = rows::knobs(settings);
+        knobs.extend([
+            ("slices", Number::Count(slices(settings))),
+            ("samples", Number::Count(samples(settings))),
+            ("tolerance", Number::float(settings.get("tolerance"))),
+            ("halvings", Number::Count(settings.get("halvings") as u32)),
+        ]);
+        knobs
     }),
     Resource::Update(Field::InscatterSun),
+    Resource::Make(&rows::ASKED),
+    Resource::Make(&rows::TREE),
+    Resource::Make(&SAMPLES),
 ];
 
-const SCRATCH: &[Scratch] = &[
-    rows::SCRATCH[0],
-    rows::SCRATCH[1],
-    Scratch {
-        name: "samples of slices",
+/// Light [1/sr], negative until it is known, and the depth of the air that it comes from, which ends at a surface (positive) or
+/// not (negative); 0 off the tile.
+const SAMPLES: Product = Product {
+    name: "samples",
+    wgsl: "array<vec4f>",
+    bytes: |extent| {
+        let settings = &extent.settings;
         // One more than the last interval needs, a slice.
-        bytes: |settings, _| 16 * u64::from(slices(settings)) * u64::from(samples(settings) + 1),
+        16 * u64::from(slices(settings)) * u64::from(samples(settings) + 1)
     },
-];
+    reads: rows::MADE_OF,
+    zeroed: false,
+};

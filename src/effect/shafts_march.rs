@@ -6,7 +6,7 @@
 //! error; with `halvings` the borders that are found are made finer. A thing thinner than a step is seen or missed by chance: the error falls only as 1 / steps.
 
 use super::shafts::{self, Method, SUNS};
-use super::{Effect, Field, Kind, Knob, Over, Pass, Resource};
+use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, sun_beams};
 
 /// Marching.
 pub const SHAFTS_MARCH: Effect = Effect {
@@ -14,7 +14,6 @@ pub const SHAFTS_MARCH: Effect = Effect {
     summary: "sunlight scattered by the air, in even steps",
     reads: &[Field::Surface],
     writes: &[Field::InscatterSun],
-    remembers: false,
     method: Some(Method::March),
     knobs: &[
         SUNS,
@@ -42,16 +41,19 @@ pub const SHAFTS_MARCH: Effect = Effect {
     passes: &[Pass {
         shader: include_str!("../../shaders/shafts_march.wgsl"),
         entry: "march",
-        kind: Kind::EachSun("suns", Over::Pixels),
+        over: Over::Pixels,
+        when: When::EachBeam(sun_beams),
         uses: &[
             Resource::Read(Field::Surface),
             Resource::Update(Field::InscatterSun),
-            Resource::Table(|_, settings| {
-                ["steps", "jitter", "halvings"]
-                    .map(|knob| settings.get(knob) as f32)
-                    .to_vec()
+            Resource::Knobs(|_, settings| {
+                vec![
+                    ("steps", Number::Count(settings.get("steps") as u32)),
+                    ("jitter", Number::float(settings.get("jitter"))),
+                    ("halvings", Number::Count(settings.get("halvings") as u32)),
+                ]
             }),
         ],
-        scratch: &[],
     }],
+    ..Effect::NOTHING
 };

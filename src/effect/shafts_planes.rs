@@ -24,7 +24,10 @@
 //! as 1 / planes, and whatever is thinner than a slab is seen or missed by chance, on neighbouring rays alike.
 
 use super::shafts::{self, Method, SUNS};
-use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, Scratch, Settings};
+use super::{
+    Effect, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, sun_beams,
+};
+use crate::conditions::Input;
 
 /// Virtual planes.
 pub const SHAFTS_PLANES: Effect = Effect {
@@ -32,7 +35,6 @@ pub const SHAFTS_PLANES: Effect = Effect {
     summary: "sunlight scattered by the air, on virtual planes across the view",
     reads: &[Field::Surface],
     writes: &[Field::InscatterSun],
-    remembers: false,
     method: Some(Method::Planes),
     knobs: &[
         SUNS,
@@ -56,42 +58,72 @@ pub const SHAFTS_PLANES: Effect = Effect {
         pass("measure", Over::Pixels, USES),
         pass(
             "weigh",
-            Over::Groups(|settings| [(lattice(settings).pow(2)).div_ceil(64), planes(settings)]),
+            Over::Groups(|extent| {
+                let settings = &extent.settings;
+                [lattice(settings).pow(2).div_ceil(64), planes(settings)]
+            }),
             USES,
         ),
         pass("integrate", Over::Pixels, SUMS),
     ],
+    ..Effect::NOTHING
 };
 
 const fn pass(entry: &'static str, over: Over, uses: &'static [Resource]) -> Pass {
     Pass {
         shader: include_str!("../../shaders/shafts_planes.wgsl"),
         entry,
-        kind: Kind::EachSun("suns", over),
+        over,
+        when: When::EachBeam(sun_beams),
         uses,
-        scratch: &SCRATCH,
     }
 }
 
 const SURFACES: Resource = Resource::Read(Field::Surface);
-const KNOBS: Resource =
-    Resource::Table(|_, settings| vec![planes(settings) as f32, lattice(settings) as f32]);
-const USES: &[Resource] = &[SURFACES, KNOBS];
-const SUMS: &[Resource] = &[SURFACES, KNOBS, Resource::Update(Field::InscatterSun)];
-
-const SCRATCH: [Scratch; 2] = [
-    Scratch {
-        name: "depths of the air",
-        bytes: |_, _| 8,
-    },
-    Scratch {
-        name: "lattices of the planes",
-        // Never more points than pixels.
-        bytes: |settings, pixels| {
-            16 * u64::from(planes(settings)) * u64::from(lattice(settings)).pow(2).min(pixels)
-        },
-    },
+const KNOBS: Resource = Resource::Knobs(|_, settings| {
+    vec![
+        ("planes", Number::Count(planes(settings))),
+        ("lattice", Number::Count(lattice(settings))),
+    ]
+});
+const USES: &[Resource] = &[
+    SURFACES,
+    KNOBS,
+    Resource::Make(&DEPTHS),
+    Resource::Make(&LATTICE),
 ];
+const SUMS: &[Resource] = &[
+    SURFACES,
+    KNOBS,
+    Resource::Make(&DEPTHS),
+    Resource::Make(&LATTICE),
+    Resource::Update(Field::InscatterSun),
+];
+
+const MADE_OF: &[Input] = &[Input::Media, Input::View, Input::Tile, Input::Beam];
+
+/// Depths of the nearest and the farthest air that the tile shows, as the bits of numbers not below 0, which have their order.
+const DEPTHS: Product = Product {
+    name: "depths",
+    wgsl: "array<atomic<u32>, 2>",
+    bytes: |_| 8,
+    reads: MADE_OF,
+    zeroed: false,
+};
+
+/// Share of sunlight that comes through to each lattice point and from there to the eye, plane by plane, row by row.
+const LATTICE: Product = Product {
+    name: "lattice",
+    wgsl: "array<vec4f>",
+    // Never more points than pixels.
+    bytes: |extent| {
+        let settings = &extent.settings;
+        let points = u64::from(lattice(settings)).pow(2).min(extent.pixels);
+        16 * u64::from(planes(settings)) * points
+    },
+    reads: MADE_OF,
+    zeroed: false,
+};
 
 fn planes(settings: &Settings<'_>) -> u32 {
     settings.get("planes") as u32

@@ -13,7 +13,7 @@
 //! sum_j osc_j (t_j+1 - t_j) F_j (1 - F_j), osc_j the range of the integrand in the part.
 
 use super::shafts::{self, Method, SUNS};
-use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, Scratch, Settings, rows};
+use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, When, rows, sun_beams};
 
 /// Prefix sums of filtered rows.
 pub const SHAFTS_PREFILTERED: Effect = Effect {
@@ -21,7 +21,6 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
     summary: "sunlight scattered by the air, from prefix sums of filtered rows",
     reads: &[Field::Surface],
     writes: &[Field::InscatterSun],
-    remembers: false,
     method: Some(Method::Prefiltered),
     knobs: &[
         SUNS,
@@ -53,47 +52,52 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
         rows::BEGIN,
         rows::MEASURE,
         rows::BUILD,
-        Pass {
-            shader: SHADER,
-            entry: "sum_rows",
-            kind: Kind::EachSun(
-                "suns",
-                Over::Groups(|settings| [rows::most_rows(settings), 1]),
-            ),
-            uses: USES,
-            scratch: SCRATCH,
-        },
-        Pass {
-            shader: SHADER,
-            entry: "look_up",
-            kind: Kind::EachSun("suns", Over::Pixels),
-            uses: USES,
-            scratch: SCRATCH,
-        },
+        pass(
+            "sum_rows",
+            Over::Groups(|extent| [rows::most_rows(&extent.settings), 1]),
+        ),
+        pass("look_up", Over::Pixels),
     ],
+    ..Effect::NOTHING
 };
 
-const SHADER: &str = include_str!("../../shaders/shafts_prefiltered.wgsl");
+const fn pass(entry: &'static str, over: Over) -> Pass {
+    Pass {
+        shader: concat!(
+            include_str!("../../shaders/shafts_prefiltered.wgsl"),
+            include_str!("../../shaders/common/rows.wgsl"),
+        ),
+        entry,
+        over,
+        when: When::EachBeam(sun_beams),
+        uses: USES,
+    }
+}
 
 const USES: &[Resource] = &[
     Resource::Read(Field::Surface),
-    Resource::Table(|_, settings| {
-        let mut table = rows::table(settings);
-        table.extend(["thresholds", "blocks"].map(|knob| settings.get(knob).round() as f32));
-        table
+    Resource::Knobs(|_, settings| {
+        let mut knobs = rows::knobs(settings);
+        knobs
+            .extend(["thresholds", "blocks"].map(|knob| (knob, Number::count(settings.get(knob)))));
+        knobs
     }),
     Resource::Update(Field::InscatterSun),
+    Resource::Make(&rows::ASKED),
+    Resource::Make(&rows::TREE),
+    Resource::Make(&SUMS),
 ];
 
-const SCRATCH: &[Scratch] = &[
-    rows::SCRATCH[0],
-    rows::SCRATCH[1],
-    Scratch {
-        name: "prefix sums of rows",
-        bytes: |settings: &Settings<'_>, _| {
-            let places = u64::from(rows::columns(settings) / 8 + 1);
-            let thresholds = settings.get("thresholds").round() as u64;
-            4 * u64::from(rows::most_rows(settings)) * places * thresholds
-        },
+/// Lit columns before every eighth, row by row, place by place: for a threshold (low half) and the next (high half).
+const SUMS: Product = Product {
+    name: "sums",
+    wgsl: "array<u32>",
+    bytes: |extent| {
+        let settings = &extent.settings;
+        let places = u64::from(rows::columns(settings) / 8 + 1);
+        let thresholds = settings.get("thresholds").round() as u64;
+        4 * u64::from(rows::most_rows(settings)) * places * thresholds
     },
-];
+    reads: rows::MADE_OF,
+    zeroed: false,
+};

@@ -11,7 +11,7 @@
 //! neighbour's heights, which darkens the last cells at silhouettes and on grazing ground. One row is the default.
 
 use super::shafts::{self, Method, SUNS};
-use super::{Effect, Field, Kind, Knob, Over, Pass, Resource, rows};
+use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows, sun_beams};
 
 /// The main method.
 pub const SHAFTS_RECTIFIED: Effect = Effect {
@@ -19,7 +19,6 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
     summary: "sunlight scattered by the air, between exact shadows in rows around the sun",
     reads: &[Field::Surface],
     writes: &[Field::InscatterSun],
-    remembers: false,
     method: Some(Method::Rectified),
     knobs: &[
         SUNS,
@@ -40,19 +39,28 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
         rows::MEASURE,
         rows::BUILD,
         Pass {
-            shader: include_str!("../../shaders/shafts_rectified.wgsl"),
+            shader: concat!(
+                include_str!("../../shaders/shafts_rectified.wgsl"),
+                include_str!("../../shaders/common/rows.wgsl"),
+            ),
             entry: "integrate",
-            kind: Kind::EachSun("suns", Over::Pixels),
+            over: Over::Pixels,
+            when: When::EachBeam(sun_beams),
             uses: &[
                 Resource::Read(Field::Surface),
-                Resource::Table(|_, settings| {
-                    let mut table = rows::table(settings);
-                    table.extend(["blend", "halvings"].map(|knob| settings.get(knob) as f32));
-                    table
+                Resource::Knobs(|_, settings| {
+                    let mut knobs = rows::knobs(settings);
+                    knobs.extend([
+                        ("blend", Number::count(settings.get("blend"))),
+                        ("halvings", Number::Count(settings.get("halvings") as u32)),
+                    ]);
+                    knobs
                 }),
                 Resource::Update(Field::InscatterSun),
+                Resource::Make(&rows::ASKED),
+                Resource::Make(&rows::TREE),
             ],
-            scratch: &rows::SCRATCH,
         },
     ],
+    ..Effect::NOTHING
 };

@@ -2,10 +2,8 @@
 //!
 //! The models live in [`crate::sky`]; this effect only asks them. Below the horizon a scene without a ground is black.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource, Settings};
+use super::{Contribution, Decision, Effect, Field, Over, Pass, Resource, When};
 use crate::colour::luminance;
-use crate::conditions::Conditions;
-use crate::sky::Sky;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -15,9 +13,6 @@ pub const SKY_DOME: Effect = Effect {
     summary: "the sky where nothing stands before it",
     reads: &[Field::Surface],
     writes: &[Field::Background],
-    remembers: false,
-    method: None,
-    knobs: &[],
     decide: |conditions| match &conditions.sky {
         None => Decision::nothing("no sky was asked for"),
         Some(sky) => Decision::run(
@@ -25,7 +20,7 @@ pub const SKY_DOME: Effect = Effect {
             Contribution::Estimate(luminance(sky.horizontal_illuminance()) / PI),
         ),
     },
-    reference: |conditions, _| {
+    reference: |conditions, _, _| {
         let sky = conditions.sky.as_ref();
         Box::new(move |fields| {
             fields.update(Field::Background, |ray, _, surface, present| match sky {
@@ -37,25 +32,15 @@ pub const SKY_DOME: Effect = Effect {
         })
     },
     passes: &[Pass {
-        shader: concat!(
-            include_str!("../../shaders/sky_dome.wgsl"),
-            include_str!("../../shaders/common/sky_table.wgsl"),
-        ),
+        shader: include_str!("../../shaders/sky_dome.wgsl"),
         entry: "shine",
-        kind: Kind::Pixels,
+        over: Over::Pixels,
+        when: When::Tile,
         uses: &[
             Resource::Read(Field::Surface),
             Resource::Update(Field::Background),
-            Resource::Table(table),
+            Resource::Sky,
         ],
-        scratch: &[],
     }],
+    ..Effect::NOTHING
 };
-
-/// The sky for the GPU.
-fn table(conditions: &Conditions, _: &Settings<'_>) -> Vec<f32> {
-    conditions
-        .sky
-        .as_ref()
-        .map_or_else(|| vec![0.0], Sky::table)
-}

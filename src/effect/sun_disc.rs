@@ -17,9 +17,6 @@ pub const SUN_DISC: Effect = Effect {
     summary: "the sun's disc where nothing stands before it",
     reads: &[Field::Surface],
     writes: &[Field::Background],
-    remembers: false,
-    method: None,
-    knobs: &[],
     decide: |conditions| {
         let sun = &conditions.sun;
         if !sun.shines() {
@@ -35,14 +32,14 @@ pub const SUN_DISC: Effect = Effect {
             Decision::nothing("the sun stands outside the picture")
         }
     },
-    reference: |conditions, _| {
+    reference: |conditions, _, _| {
         let disc = Disc::new(&conditions.sun);
         Box::new(move |fields| {
             fields.update(Field::Background, |ray, pixel, surface, present| {
                 if surface.is_met() {
                     return present;
                 }
-                let seen = match conditions.camera.projection {
+                let seen = match conditions.view.camera.projection {
                     Projection::Orthographic { .. } => disc.luminance_at(ray.direction),
                     _ if disc.is_far_from(ray.direction, conditions) => DVec3::ZERO,
                     _ => disc.mean_luminance(&outline(conditions, pixel)),
@@ -53,17 +50,18 @@ pub const SUN_DISC: Effect = Effect {
     },
     // Exact coverage needs f64; it costs nothing away from the disc's few pixels.
     passes: &[],
+    ..Effect::NOTHING
 };
 
 /// Whether any pixel can show a part of the disc.
 fn in_picture(conditions: &Conditions) -> bool {
-    let [w, h] = conditions.size;
+    let [w, h] = conditions.view.size;
     let sun = &conditions.sun;
     let reach = sun.angular_radius + pixel_angle(conditions);
-    match conditions.camera.projection {
+    match conditions.view.camera.projection {
         Projection::Panorama => true,
         Projection::Orthographic { .. } => {
-            let [_, _, forward] = conditions.camera.axes();
+            let [_, _, forward] = conditions.view.camera.axes();
             forward.angle_between(sun.toward) <= reach
         }
         Projection::Perspective { .. } => {
@@ -75,7 +73,13 @@ fn in_picture(conditions: &Conditions) -> bool {
                 DVec2::new(w, h),
                 DVec2::new(0.0, h),
             ]
-            .map(|p| conditions.camera.ray(p, conditions.size).direction);
+            .map(|p| {
+                conditions
+                    .view
+                    .camera
+                    .ray(p, conditions.view.size)
+                    .direction
+            });
             (0..4).all(|i| {
                 let inward = corners[i].cross(corners[(i + 1) % 4]).normalize();
                 inward.dot(sun.toward) >= -reach.sin()
@@ -86,8 +90,8 @@ fn in_picture(conditions: &Conditions) -> bool {
 
 /// More than the angle between a pixel's centre and its farthest corner [rad], anywhere in the picture.
 fn pixel_angle(conditions: &Conditions) -> f64 {
-    let [w, h] = conditions.size;
-    match conditions.camera.projection {
+    let [w, h] = conditions.view.size;
+    match conditions.view.camera.projection {
         Projection::Perspective { fov_y } => {
             // Pixels are largest in angle in the middle, where one spans 2 tan(fov / 2) / h.
             2.0 * (0.5 * fov_y).tan() / f64::from(h)
@@ -108,7 +112,13 @@ fn outline(conditions: &Conditions, pixel: UVec2) -> Vec<DVec3> {
     for side in sides {
         for i in 0..16 {
             let position = at + side * (f64::from(i) / 16.0);
-            directions.push(conditions.camera.ray(position, conditions.size).direction);
+            directions.push(
+                conditions
+                    .view
+                    .camera
+                    .ray(position, conditions.view.size)
+                    .direction,
+            );
         }
         at += side;
     }

@@ -10,14 +10,16 @@
 //!
 //! A convex white body under a uniform sky on a white ground neither gains nor loses: E = pi L everywhere.
 
-use super::{Contribution, Decision, Effect, Field, Knob, Source, Surface, surface_sun::clearance};
+use super::{
+    Contribution, Decision, Effect, Field, Keep, Knob, Source, Surface, surface_sun::clearance,
+};
 use crate::colour::luminance;
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, Input};
 use crate::scene::Ray;
 use crate::sky::Sky;
 use glam::DVec3;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Sky light reflected by surfaces.
 pub const SURFACE_SKY: Effect = Effect {
@@ -25,8 +27,7 @@ pub const SURFACE_SKY: Effect = Effect {
     summary: "sky light reflected by surfaces (estimate: visible share of the sky)",
     reads: &[Field::Surface],
     writes: &[Field::Sky],
-    remembers: true,
-    method: None,
+    keeps: &[&SHARE],
     knobs: &[
         Knob {
             name: "rays",
@@ -51,16 +52,18 @@ pub const SURFACE_SKY: Effect = Effect {
             Contribution::Estimate(0.5 * luminance(sky.horizontal_illuminance()) / PI),
         ),
     },
-    reference: |conditions, settings| {
+    reference: |conditions, settings, kept| {
         let Some(sky) = &conditions.sky else {
             return Box::new(|_| {});
         };
-        let share = SkyShare::new(
-            conditions,
-            sky,
-            settings.get("rays") as usize,
-            settings.get("spacing") * conditions.geometry.extent(),
-        );
+        let share = kept.get(&SHARE, conditions, settings, || {
+            SkyShare::new(
+                conditions.clone(),
+                sky.clone(),
+                settings.get("rays") as usize,
+                settings.get("spacing") * conditions.geometry.extent(),
+            )
+        });
         Box::new(move |fields| {
             fields.update(Field::Sky, |_, _, surface, present| match surface.source {
                 Source::Nothing => present,
@@ -69,12 +72,19 @@ pub const SURFACE_SKY: Effect = Effect {
         })
     },
     passes: &[],
+    ..Effect::NOTHING
+};
+
+/// The irradiance where the picture needed it so far.
+const SHARE: Keep = Keep {
+    name: "the sky's light on surfaces",
+    reads: &[Input::Geometry, Input::Materials, Input::Media, Input::Sky],
 };
 
 /// Irradiance from the sky [lx, RGB], found where the picture needs it and kept.
-struct SkyShare<'a> {
-    conditions: &'a Conditions,
-    sky: &'a Sky,
+struct SkyShare {
+    conditions: Conditions,
+    sky: Arc<Sky>,
     /// Cells of the hemisphere along each side of the square that is mapped to it.
     cells: usize,
     spacing: f64,
@@ -103,9 +113,10 @@ struct GroundGrid {
 
 const GRID: usize = 192;
 
-impl<'a> SkyShare<'a> {
-    fn new(conditions: &'a Conditions, sky: &'a Sky, rays: usize, spacing: f64) -> Self {
-        let mesh = &conditions.scene.mesh;
+impl SkyShare {
+    fn new(conditions: Conditions, sky: Arc<Sky>, rays: usize, spacing: f64) -> Self {
+        let scene = conditions.scene.clone();
+        let mesh = &scene.mesh;
         let mut first_triangles = vec![None; mesh.positions.len()];
         for (index, triangle) in mesh.triangles.iter().enumerate().rev() {
             for vertex in triangle.vertices.map(|v| v as usize) {
@@ -118,6 +129,9 @@ impl<'a> SkyShare<'a> {
         let extent = conditions.geometry.extent();
         let cell = 3.0 * extent / GRID as f64;
         let middle = 0.5 * (min + max);
+        let ground_radiance = conditions.ground.map_or(DVec3::ZERO, |g| {
+            g.albedo / PI * sky.horizontal_illuminance()
+        });
         SkyShare {
             conditions,
             sky,
@@ -137,9 +151,7 @@ impl<'a> SkyShare<'a> {
                     .take((GRID + 1) * (GRID + 1))
                     .collect(),
             },
-            ground_radiance: conditions.ground.map_or(DVec3::ZERO, |g| {
-                g.albedo / PI * sky.horizontal_illuminance()
-            }),
+            ground_radiance,
         }
     }
 
@@ -147,6 +159,7 @@ impl<'a> SkyShare<'a> {
         match surface.source {
             Source::Nothing => DVec3::ZERO,
             Source::Ground => self.on_ground(surface.position),
+            Source::Receiver => self.gather(surface.position, surface.normal, surface.facet, true),
             Source::Triangle(triangle, barycentric) => {
                 self.on_triangle(triangle as usize, barycentric, surface.facet)
             }
@@ -256,7 +269,7 @@ impl<'a> SkyShare<'a> {
 
     /// Irradiance at a point, with or without regard to what stands around.
     fn gather(&self, point: DVec3, normal: DVec3, facet: DVec3, occluded: bool) -> DVec3 {
-        let near = clearance(self.conditions, point);
+        let near = clearance(&self.conditions, point);
         let origin = point + 1e3 * near * facet;
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         let look = |x: f64, y: f64| {

@@ -3,7 +3,9 @@
 //! L = albedo / pi * sum over the points of the sun's disc of E w cos(theta) V e^-tau, V by one shadow ray in f64 a point. A
 //! point sun has one. A surface whose own triangle faces away from the sun is dark, whatever its interpolated normal says.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Knob, Over, Pass, Resource, Source};
+use super::{
+    Contribution, Decision, Effect, Field, Knob, Over, Pass, Resource, Source, When, sun_beams,
+};
 use crate::conditions::Conditions;
 use crate::scene::Ray;
 use glam::DVec3;
@@ -15,8 +17,6 @@ pub const SURFACE_SUN: Effect = Effect {
     summary: "sunlight reflected by surfaces, with exact shadows",
     reads: &[Field::Surface],
     writes: &[Field::Sun],
-    remembers: false,
-    method: None,
     knobs: &[Knob {
         name: "suns",
         meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), one shadow ray each",
@@ -34,8 +34,8 @@ pub const SURFACE_SUN: Effect = Effect {
             ),
         )
     },
-    reference: |conditions, settings| {
-        let suns = conditions.sun_points(settings.get("suns") as usize);
+    reference: |conditions, settings, _| {
+        let beams = sun_beams(conditions, settings);
         Box::new(move |fields| {
             fields.update(Field::Sun, |_, _, surface, present| {
                 if !surface.is_met() {
@@ -44,9 +44,10 @@ pub const SURFACE_SUN: Effect = Effect {
                 let near = clearance(conditions, surface.position);
                 let skip_ground = matches!(surface.source, Source::Ground);
                 let mut sum = DVec3::ZERO;
-                for sun in &suns {
-                    let cosine = surface.normal.dot(sun.toward);
-                    if cosine <= 0.0 || surface.facet.dot(sun.toward) <= 0.0 {
+                for beam in &beams {
+                    let toward = beam.toward_from(surface.position);
+                    let cosine = surface.normal.dot(toward);
+                    if cosine <= 0.0 || surface.facet.dot(toward) <= 0.0 {
                         continue;
                     }
                     let origin = if skip_ground {
@@ -56,15 +57,14 @@ pub const SURFACE_SUN: Effect = Effect {
                     };
                     let ray = Ray {
                         origin,
-                        direction: sun.toward,
+                        direction: toward,
                     };
-                    if conditions.geometry.occluded(&ray, near, f64::INFINITY) {
+                    let far = beam.distance_from(surface.position);
+                    if conditions.geometry.occluded(&ray, near, far) {
                         continue;
                     }
-                    let depth = conditions
-                        .air
-                        .sun_optical_depth(surface.position, sun.toward);
-                    sum += sun.illuminance * cosine * (-depth).exp();
+                    let depth = conditions.air.beam_optical_depth(surface.position, beam);
+                    sum += beam.illuminance_at(surface.position) * cosine * (-depth).exp();
                 }
                 present + surface.albedo / PI * sum
             });
@@ -73,10 +73,11 @@ pub const SURFACE_SUN: Effect = Effect {
     passes: &[Pass {
         shader: include_str!("../../shaders/surface_sun.wgsl"),
         entry: "light_surfaces",
-        kind: Kind::EachSun("suns", Over::Pixels),
+        over: Over::Pixels,
+        when: When::EachBeam(sun_beams),
         uses: &[Resource::Read(Field::Surface), Resource::Update(Field::Sun)],
-        scratch: &[],
     }],
+    ..Effect::NOTHING
 };
 
 /// How far a shadow ray must go before it counts what it meets [m]: above the rounding of the position it leaves from.

@@ -5,7 +5,7 @@
 //! everywhere what the light behind the air is multiplied by; at a silhouette it steps from the whole of the air before the
 //! surface to what the other media leave of the sky.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Pass, Resource};
+use super::{Contribution, Decision, Effect, Field, Over, Pass, Resource, When};
 
 /// Attenuation between eye and surface.
 pub const TRANSMITTANCE: Effect = Effect {
@@ -13,9 +13,6 @@ pub const TRANSMITTANCE: Effect = Effect {
     summary: "attenuation by the air between the eye and what it sees",
     reads: &[Field::Surface],
     writes: &[Field::Transmittance],
-    remembers: false,
-    method: None,
-    knobs: &[],
     decide: |conditions| {
         if conditions.air.media.is_empty() {
             Decision::nothing("the scene has no medium")
@@ -33,7 +30,7 @@ pub const TRANSMITTANCE: Effect = Effect {
             )
         }
     },
-    reference: |conditions, _| {
+    reference: |conditions, _, _| {
         let before_sky = conditions.air.before_sky();
         Box::new(move |fields| {
             fields.update(Field::Transmittance, |ray, _, surface, _| {
@@ -48,11 +45,12 @@ pub const TRANSMITTANCE: Effect = Effect {
     passes: &[Pass {
         shader: include_str!("../../shaders/transmittance.wgsl"),
         entry: "attenuate",
-        kind: Kind::Pixels,
+        over: Over::Pixels,
+        when: When::Tile,
         uses: &[
             Resource::Read(Field::Surface),
             Resource::Update(Field::Transmittance),
         ],
-        scratch: &[],
     }],
+    ..Effect::NOTHING
 };

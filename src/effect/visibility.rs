@@ -4,20 +4,20 @@
 //! at its nearest texel, in linear light. Both sides of a triangle reflect; normals face the eye. The interpolated normal is
 //! used for shading where it agrees with the triangle about which side the eye is on.
 
-use super::{Contribution, Decision, Effect, Field, Kind, Knob, Pass, Resource, Source, Surface};
+use super::{
+    Contribution, Decision, Effect, Field, Knob, Over, Pass, RasterView, Resource, Source, Surface,
+    When,
+};
 use crate::colour::{Space, srgb_decode};
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, Receivers, View};
 use crate::scene::{Hit, Ray, geometry::texel};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, UVec2};
 
 /// The first surface on each ray.
 pub const VISIBILITY: Effect = Effect {
     name: "visibility",
     summary: "the first surface on each ray",
-    reads: &[],
     writes: &[Field::Surface],
-    remembers: false,
-    method: None,
     knobs: &[Knob {
         name: "silhouettes",
         meaning: "1: rays at silhouettes are traced (GPU); 0: those pixels are as the rasteriser rounds",
@@ -38,11 +38,15 @@ pub const VISIBILITY: Effect = Effect {
             Contribution::Everything,
         )
     },
-    reference: |conditions, _| {
+    reference: |conditions, _, _| {
         let working_from_rec709 = Space::Rec709.to_working();
         Box::new(move |fields| {
-            for (ray, surface) in fields.rays.iter().zip(&mut fields.surfaces) {
-                *surface = first_surface(conditions, ray, working_from_rec709);
+            let places = fields.rays.iter().zip(&fields.pixels);
+            for ((ray, pixel), surface) in places.zip(&mut fields.surfaces) {
+                *surface = match conditions.view.receivers {
+                    Receivers::Pixels => first_surface(conditions, ray, working_from_rec709),
+                    Receivers::Points(_) => receiver_surface(&conditions.view, *pixel),
+                };
             }
         })
     },
@@ -50,19 +54,22 @@ pub const VISIBILITY: Effect = Effect {
         Pass {
             shader: SHADER,
             entry: "picture",
-            kind: Kind::Picture,
+            over: Over::Raster(RasterView::Camera(|settings| {
+                settings.get("silhouettes") > 0.5
+            })),
+            when: When::Tile,
             uses: &[
                 Resource::Attributes,
                 Resource::MaterialOf,
                 Resource::Materials,
                 Resource::Texels,
             ],
-            scratch: &[],
         },
         Pass {
             shader: SHADER,
             entry: "resolve",
-            kind: Kind::Pixels,
+            over: Over::Pixels,
+            when: When::Tile,
             uses: &[
                 Resource::Attributes,
                 Resource::MaterialOf,
@@ -72,12 +79,19 @@ pub const VISIBILITY: Effect = Effect {
                 Resource::Numbers,
                 Resource::Update(Field::Surface),
             ],
-            scratch: &[],
         },
     ],
+    ..Effect::NOTHING
 };
 
 const SHADER: &str = include_str!("../../shaders/visibility.wgsl");
+
+/// The point whose illuminance a pixel holds, as a surface; nothing where the picture has more pixels than points.
+pub fn receiver_surface(view: &View, pixel: UVec2) -> Surface {
+    view.point(pixel).map_or(Surface::NOTHING, |point| {
+        Surface::receiver(point, point.position.distance(view.camera.eye))
+    })
+}
 
 /// What a ray meets first.
 pub fn first_surface(conditions: &Conditions, ray: &Ray, working_from_rec709: DMat3) -> Surface {

@@ -15,6 +15,7 @@
 pub mod clear;
 mod exponential;
 mod height;
+mod local;
 mod phase;
 mod region;
 mod scattering;
@@ -23,6 +24,7 @@ pub use clear::ClearAir;
 pub use phase::{Fog, Phase};
 pub use scattering::Scattering;
 
+use crate::beam::Beam;
 use glam::DVec3;
 use height::HeightTerm;
 use region::Region;
@@ -173,6 +175,17 @@ impl Air {
     /// bounds where another haze or height medium is met by a sun that is not above the horizon.
     pub fn sun_optical_depth(&self, point: DVec3, toward_sun: DVec3) -> DVec3 {
         self.depth_beyond(point, toward_sun, |_| true)
+    }
+
+    /// Optical depth from a point to where a beam comes from [1]: of parallel light as [`Air::sun_optical_depth`], of a local beam
+    /// that of all media on the way.
+    pub fn beam_optical_depth(&self, point: DVec3, beam: &Beam) -> DVec3 {
+        match beam {
+            Beam::Parallel { toward, .. } => self.sun_optical_depth(point, *toward),
+            Beam::Local { .. } => {
+                self.optical_depth(point, beam.toward_from(point), beam.distance_from(point))
+            }
+        }
     }
 
     /// Optical depth from a point to the sky in some direction [1]: that of all media but the clear air.

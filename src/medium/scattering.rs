@@ -1,8 +1,10 @@
-//! Sunlight scattered once toward the eye along one ray: the integral that every method takes over its lit runs.
+//! Light scattered once toward the eye along one ray: the integral that every method takes over its lit runs.
 
 use super::exponential::{attenuated, exponential_integral, gauss};
 use super::height::HeightTerm;
+use super::local::LocalScattering;
 use super::{Air, FARTHEST};
+use crate::beam::Beam;
 use glam::DVec3;
 
 /// A piece of a ray on which every homogeneous medium is either there or not and its depth toward the sun is linear.
@@ -17,25 +19,36 @@ struct Piece {
     source: DVec3,
 }
 
-/// Sunlight scattered once toward the eye along one ray, ready to be integrated over lit runs.
+/// Light of a beam scattered once toward the eye along one ray, ready to be integrated over lit runs.
 ///
 /// The integrand is the sum over media of sigma_s p(mu) e^-(tau_eye + tau_sun). Homogeneous media make the exponent piecewise
 /// linear; a height medium alone has a closed form too (its exponent is linear in its own optical depth); mixtures are
 /// integrated by Gauss-Legendre quadrature on short enough parts.
+///
+/// Light of a local beam has no such forms: its integral is by quadrature throughout.
 pub struct Scattering {
     pieces: Vec<Piece>,
     heights: Vec<HeightTerm>,
+    local: Option<LocalScattering>,
 }
 
 impl Scattering {
-    /// Prepares the first `distance` metres of a ray under a sun.
-    pub fn new(
-        air: &Air,
-        origin: DVec3,
-        direction: DVec3,
-        distance: f64,
-        toward_sun: DVec3,
-    ) -> Self {
+    /// Prepares the first `distance` metres of a ray under a beam.
+    pub fn new(air: &Air, origin: DVec3, direction: DVec3, distance: f64, beam: &Beam) -> Self {
+        let toward_sun = match *beam {
+            Beam::Parallel { toward, .. } => toward,
+            Beam::Local {
+                position, radius, ..
+            } => {
+                return Scattering {
+                    pieces: Vec::new(),
+                    heights: Vec::new(),
+                    local: Some(LocalScattering::new(
+                        air, origin, direction, distance, position, radius,
+                    )),
+                };
+            }
+        };
         let one_minus_mu = 0.5 * (direction - toward_sun).length_squared();
         let distance = distance.min(FARTHEST);
         let mut borders = vec![0.0, distance];
@@ -85,11 +98,19 @@ impl Scattering {
             }
             pieces.push(piece);
         }
-        Scattering { pieces, heights }
+        Scattering {
+            pieces,
+            heights,
+            local: None,
+        }
     }
 
-    /// The integral over the lit part [from, to] of the ray [1/sr]: times the sun's illuminance it is radiance.
+    /// The integral over the lit part [from, to] of the ray: times the beam's [`Beam::strength`] it is luminance. [1/sr] of parallel
+    /// light, [1/(m2 sr)] of a local beam.
     pub fn integrate(&self, from: f64, to: f64) -> DVec3 {
+        if let Some(local) = &self.local {
+            return local.integrate(from, to);
+        }
         let mut sum = DVec3::ZERO;
         for piece in &self.pieces {
             let (a, b) = (from.max(piece.from), to.min(piece.to));

@@ -1,6 +1,7 @@
 //! The integrals against what they are defined by.
 
 use super::*;
+use crate::beam::Beam;
 
 /// A dull midpoint rule over what the definition says, to judge the closed forms by.
 fn midpoint(air: &Air, o: DVec3, r: DVec3, a: f64, b: f64, sun: DVec3, n: usize) -> DVec3 {
@@ -81,7 +82,8 @@ fn pieces_agree_with_the_definition_for_boxes_haze_and_height() {
             for (o, r) in rays {
                 let r = r.normalize();
                 for (a, b) in [(0.0, 8.0), (1.3, 15.7)] {
-                    let exact = Scattering::new(&air, o, r, 20.0, sun).integrate(a, b);
+                    let exact = Scattering::new(&air, o, r, 20.0, &Beam::parallel(sun, DVec3::ONE))
+                        .integrate(a, b);
                     let dull = midpoint(&air, o, r, a, b, sun, 40_000);
                     let error = (exact - dull).abs().max_element();
                     // The midpoint rule misses a box's edge by up to half a step.
@@ -111,8 +113,14 @@ fn extreme_optical_depths_stay_finite() {
                     media,
                     ground: -10.0,
                 };
-                let sum = Scattering::new(&air, DVec3::Y * 9e3, r, FARTHEST, sun)
-                    .integrate(0.0, FARTHEST);
+                let sum = Scattering::new(
+                    &air,
+                    DVec3::Y * 9e3,
+                    r,
+                    FARTHEST,
+                    &Beam::parallel(sun, DVec3::ONE),
+                )
+                .integrate(0.0, FARTHEST);
                 assert!(
                     sum.is_finite() && sum.min_element() >= 0.0,
                     "{scattering} {r} {sum}"
@@ -195,7 +203,8 @@ fn clear_air_counts_against_the_site_and_agrees_with_its_integral_written_out() 
                 }
                 eye += 0.5 * step * extinction;
             }
-            let exact = Scattering::new(&air, o, r, 200.0, sun).integrate(a, b);
+            let exact = Scattering::new(&air, o, r, 200.0, &Beam::parallel(sun, DVec3::ONE))
+                .integrate(a, b);
             let error = ((exact - sum) / sum).abs().max_element();
             // The midpoint rule's run begins at a cell's border within half a step.
             assert!(error < 1e-3, "{o} {r} {sun}: {exact} {sum}");
@@ -228,7 +237,8 @@ fn one_species_alone_has_the_closed_form_that_quadrature_finds() {
             DVec3::new(1.0, 1e-9, 0.0),
         ] {
             let (o, end) = (DVec3::Y * 40.0, 38.0);
-            let exact = Scattering::new(&alone, o, r, end, sun).integrate(1.0, end);
+            let exact = Scattering::new(&alone, o, r, end, &Beam::parallel(sun, DVec3::ONE))
+                .integrate(1.0, end);
             // A second medium that does nothing makes it a mixture.
             let mut nothing = medium.clone();
             (nothing.scattering, nothing.absorption) = (DVec3::ZERO, DVec3::ZERO);
@@ -236,7 +246,8 @@ fn one_species_alone_has_the_closed_form_that_quadrature_finds() {
                 *overhead = DVec3::ZERO;
             }
             alone.media.push(nothing);
-            let mixed = Scattering::new(&alone, o, r, end, sun).integrate(1.0, end);
+            let mixed = Scattering::new(&alone, o, r, end, &Beam::parallel(sun, DVec3::ONE))
+                .integrate(1.0, end);
             alone.media.pop();
             assert!(((exact - mixed) / exact).abs().max_element() < 1e-10, "{r}");
         }
@@ -249,7 +260,9 @@ fn sources_and_what_lies_before_the_sky_are_told_apart() {
     media.push(medium(Shape::Haze { top: 50.0 }, DVec3::splat(0.01)));
     let air = Air { media, ground: 0.0 };
     let (o, r, sun) = (DVec3::Y, DVec3::new(0.6, 0.1, 0.3).normalize(), DVec3::Y);
-    let of = |air: &Air| Scattering::new(air, o, r, 300.0, sun).integrate(0.0, 300.0);
+    let of = |air: &Air| {
+        Scattering::new(air, o, r, 300.0, &Beam::parallel(sun, DVec3::ONE)).integrate(0.0, 300.0)
+    };
     let (clear, other) = (
         air.with_sources(Medium::is_clear_air),
         air.with_sources(|m| !m.is_clear_air()),
@@ -349,7 +362,7 @@ fn a_scale_height_without_end_is_homogeneous_and_one_of_nothing_is_a_layer() {
         far: 1e6,
         overhead: DVec3::ZERO,
     };
-    let found = Scattering::new(&still, o, r, 40.0, sun)
+    let found = Scattering::new(&still, o, r, 40.0, &Beam::parallel(sun, DVec3::ONE))
         .integrate(0.0, 40.0)
         .x;
     let expected = (1.0 - (-0.03f64 * 40.0).exp()) / (4.0 * std::f64::consts::PI);
@@ -369,7 +382,9 @@ fn a_sun_that_sinks_dims_height_air_evenly_down_to_nothing() {
     for i in 0..200 {
         let y = 0.5 * 0.8f64.powi(i);
         let sun = DVec3::new(0.0, y, (1.0 - y * y).sqrt());
-        let light = Scattering::new(&air, o, r, 5e4, sun).integrate(0.0, 5e4).x;
+        let light = Scattering::new(&air, o, r, 5e4, &Beam::parallel(sun, DVec3::ONE))
+            .integrate(0.0, 5e4)
+            .x;
         assert!(
             light.is_finite() && light >= 0.0 && light <= last,
             "{y}: {light} {last}"
@@ -378,7 +393,7 @@ fn a_sun_that_sinks_dims_height_air_evenly_down_to_nothing() {
     }
     for sun in [DVec3::Z, DVec3::new(0.0, -0.2, 1.0).normalize()] {
         assert_eq!(
-            Scattering::new(&air, o, r, 5e4, sun).integrate(0.0, 5e4),
+            Scattering::new(&air, o, r, 5e4, &Beam::parallel(sun, DVec3::ONE)).integrate(0.0, 5e4),
             DVec3::ZERO
         );
     }
@@ -398,15 +413,23 @@ fn boxes_hold_the_eye_are_touched_at_a_corner_and_may_be_thin() {
     let touch = DVec3::new(1.0, -1.0, 0.0).normalize();
     let from = DVec3::new(2.0, 2.0, 1.0) - 3.0 * touch;
     assert!(cube.optical_depth(from, touch, 9.0).x < 1e-14);
-    let light = Scattering::new(&cube, from, touch, 9.0, sun).integrate(0.0, 9.0);
+    let light = Scattering::new(&cube, from, touch, 9.0, &Beam::parallel(sun, DVec3::ONE))
+        .integrate(0.0, 9.0);
     assert!(light.is_finite() && light.x < 1e-14);
-    let edge = Scattering::new(&cube, DVec3::new(2.0, 2.0, -3.0), DVec3::Z, 9.0, sun);
+    let edge = Scattering::new(
+        &cube,
+        DVec3::new(2.0, 2.0, -3.0),
+        DVec3::Z,
+        9.0,
+        &Beam::parallel(sun, DVec3::ONE),
+    );
     assert!(edge.integrate(0.0, 9.0).is_finite());
     // As thin as numbers are: nothing.
     let sheet = fog(DVec3::ZERO, DVec3::new(2.0, f64::MIN_POSITIVE, 2.0));
     for r in [DVec3::Y, DVec3::X, sun] {
         let o = DVec3::new(1.0, 0.0, 1.0) - 0.5 * r;
-        let light = Scattering::new(&sheet, o, r, 9.0, sun).integrate(0.0, 9.0);
+        let light = Scattering::new(&sheet, o, r, 9.0, &Beam::parallel(sun, DVec3::ONE))
+            .integrate(0.0, 9.0);
         assert!(light.is_finite() && light.min_element() >= 0.0);
     }
 }
@@ -430,9 +453,15 @@ fn air_that_nothing_passes_shows_its_own_first_skin() {
     for c in [1.0, 0.5, 0.1] {
         let sun = DVec3::new((1.0f64 - c * c).sqrt(), c, 0.0);
         let eye = DVec3::new(0.1, 3.0, 1.0);
-        let found = Scattering::new(&fog, eye, DVec3::NEG_Y, 4.0, sun)
-            .integrate(0.0, 4.0)
-            .x;
+        let found = Scattering::new(
+            &fog,
+            eye,
+            DVec3::NEG_Y,
+            4.0,
+            &Beam::parallel(sun, DVec3::ONE),
+        )
+        .integrate(0.0, 4.0)
+        .x;
         let expected = 0.8 / (4.0 * std::f64::consts::PI) / (1.0 + 1.0 / c);
         assert!(
             (found / expected - 1.0).abs() < 1e-9,

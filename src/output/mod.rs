@@ -13,7 +13,7 @@ pub mod png;
 pub mod report;
 
 use crate::error::{Error, Result};
-use crate::frame::LAYERS;
+use crate::frame::Field;
 use glam::{DMat3, DVec2};
 use std::path::{Path, PathBuf};
 
@@ -83,11 +83,13 @@ pub struct OutputSpace {
     pub white: DVec2,
 }
 
-/// The layers of an EXR, in its own names: those of [`LAYERS`], then `transmittance` and `normal`.
+/// The layers of an EXR, in its own names: those of [`Field::layers`], then `transmittance` and `normal`.
 ///
 /// The picture (R, G, B) and Z are always written.
 pub fn layer_names() -> impl Iterator<Item = &'static str> {
-    LAYERS.into_iter().chain(["transmittance", "normal"])
+    Field::layers()
+        .map(Field::name)
+        .chain(["transmittance", "normal"])
 }
 
 /// The layers of those names (`--layers`); all of them for no names.

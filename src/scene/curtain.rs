@@ -10,9 +10,12 @@
 //! between the ray and the sun. Several suns (the points of its disc) share one search: each only turns the half-plane a
 //! little about the ray. What could only darken points that are dark already is passed over, and what may darken most is
 //! looked at first.
+//!
+//! Light from a place near by reaches the ray along a fan instead: see [`super::fan`].
 
 use super::Ray;
 use super::geometry::{CutOut, Geometry, Node};
+use crate::beam::Beam;
 use glam::{BVec4A, DMat3, DVec2, DVec3, Vec3A, Vec4};
 
 /// A run of a ray between two distances [m].
@@ -32,21 +35,31 @@ struct HalfPlane {
 }
 
 impl Geometry {
-    /// The dark runs of the first `far` metres of a ray, for each of `suns` (unit vectors toward it).
+    /// The dark runs of the first `far` metres of a ray, for each of `beams`.
     ///
-    /// `dark[k]` is overwritten with the runs that `suns[k]` does not reach, in order and apart from each other.
-    /// Exact but for f64 rounding.
-    pub fn dark_runs(&self, ray: &Ray, far: f64, suns: &[DVec3], dark: &mut Vec<Vec<Run>>) {
-        dark.resize_with(suns.len(), Vec::new);
+    /// `dark[k]` is overwritten with the runs that `beams[k]` does not reach, in order and apart from each other.
+    /// Exact but for f64 rounding. A beam is that of the middle of its cell.
+    pub fn dark_runs(&self, ray: &Ray, far: f64, beams: &[Beam], dark: &mut Vec<Vec<Run>>) {
+        dark.resize_with(beams.len(), Vec::new);
         dark.iter_mut().for_each(Vec::clear);
         if self.corners.is_empty() || far <= 0.0 {
+            return;
+        }
+        let mut suns = Vec::with_capacity(beams.len());
+        for (k, beam) in beams.iter().enumerate() {
+            match beam {
+                Beam::Parallel { toward, .. } => suns.push((k, *toward)),
+                Beam::Local { position, .. } => self.fan(ray, far, *position, &mut dark[k]),
+            }
+        }
+        if suns.is_empty() {
             return;
         }
         let r = ray.direction;
         // The frame's origin is the point of the ray nearest to the scene, so that a far eye costs no digits.
         let near = (self.origin - ray.origin).dot(r).clamp(0.0, far);
         let base = (ray.origin - self.origin) + near * r;
-        let mean: DVec3 = suns.iter().sum();
+        let mean: DVec3 = suns.iter().map(|(_, toward)| toward).sum();
         let aside = mean - r * mean.dot(r);
         let m = if aside.length() > PARALLEL * mean.length() {
             // Twice, so that the cancellation of the first subtraction leaves no part along r.
@@ -58,7 +71,7 @@ impl Geometry {
         let n = m.cross(r);
         let mut planes = Vec::with_capacity(suns.len());
         let mut which = Vec::with_capacity(suns.len());
-        for (k, sun) in suns.iter().enumerate() {
+        for (k, sun) in &suns {
             let (y, x) = (sun.dot(m), sun.dot(n));
             let sine = y.hypot(x);
             if sine < PARALLEL {
@@ -70,11 +83,11 @@ impl Geometry {
                     0.0,
                     f64::INFINITY,
                 ) {
-                    dark[k].push([0.0, far]);
+                    dark[*k].push([0.0, far]);
                 }
                 continue;
             }
-            which.push(k);
+            which.push(*k);
             planes.push(HalfPlane {
                 cos: y / sine,
                 sin: x / sine,
@@ -106,7 +119,7 @@ impl Geometry {
 }
 
 /// Adds a run to sorted, separate ones, joined with those that it touches (within `together`).
-fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
+pub(super) fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
     let first = runs.partition_point(|r| r[1] + together < run[0]);
     let after = first + runs[first..].partition_point(|r| r[0] <= run[1] + together);
     if first == after {
@@ -350,7 +363,7 @@ impl Search<'_> {
 }
 
 /// Adds what one triangle darkens, from one place of the ray to another.
-fn darken(dark: &mut Vec<Run>, a: f64, b: f64, span: Run, together: f64) {
+pub(super) fn darken(dark: &mut Vec<Run>, a: f64, b: f64, span: Run, together: f64) {
     let run = [a.min(b).max(span[0]), a.max(b).min(span[1])];
     if run[1] > run[0] {
         insert(dark, run, together);
@@ -358,7 +371,7 @@ fn darken(dark: &mut Vec<Run>, a: f64, b: f64, span: Run, together: f64) {
 }
 
 /// The parts of a straight line over a texture on which it is solid, as fractions of the line, texel by texel.
-fn solid_parts(
+pub(super) fn solid_parts(
     geometry: &Geometry,
     cut: &CutOut,
     from: DVec2,

@@ -7,6 +7,7 @@ mod assembly;
 pub mod camera;
 mod check;
 pub mod curtain;
+mod fan;
 pub mod framing;
 pub mod geometry;
 mod gltf;

@@ -28,6 +28,7 @@ mod table;
 pub mod twilight;
 
 pub use sun::{SunLight, SunPath};
+pub(crate) use table::constants;
 
 use crate::colour::{luminance, working_from_xyz, xyz_from_xyy};
 use crate::error::{Error, Result};

@@ -5,45 +5,83 @@
 
 use super::Sky;
 use super::day::Day;
+use super::gradation::COSINE_FLOOR;
 use super::twilight;
-use crate::colour::{LUMINANCE, WORKING_FROM_XYZ};
-use glam::DVec3;
+use crate::colour::LUMINANCE;
 
 /// Pieces of the table over the angle from the sun, which is read along straight lines.
 const PIECES: usize = 4096;
 
+/// What stands in the table, one after the other, and how many numbers it takes; the grid of twilight follows.
+const LAYOUT: [(&str, usize); 15] = [
+    ("FORM", 1),
+    ("TOWARD_SUN", 3),
+    ("TOWARD_AZIMUTH", 2),
+    ("UNIFORM", 3),
+    ("CLOUD", 3),
+    ("DAY_SCALE", 1),
+    ("GREY", 1),
+    ("DUSK_SCALE", 1),
+    ("PIECES", 1),
+    ("DUSK_SIZE", 2),
+    ("LUMINANCE", 3),
+    ("OVERCAST", 3),
+    ("COLOURS", 9),
+    ("FACTORS", 6 * 5),
+    ("ANGLES", 5 * (PIECES + 1)),
+];
+
+/// Where things stand in the table and the numbers that the models share, as constants of a shader.
+pub(crate) fn constants() -> String {
+    let mut at = 0;
+    let mut text = String::new();
+    for (name, length) in LAYOUT {
+        text += &format!("const {name} = {at}u;\n");
+        at += length;
+    }
+    text + &format!(
+        "const COSINE_FLOOR = {COSINE_FLOOR:?};\nconst AEROSOL_G = {:?};\n",
+        twilight::AEROSOL_G
+    )
+}
+
 impl Sky {
     /// The numbers. Read back in f32, they give [`Sky::radiance`] within 1e-4.
     pub(crate) fn table(&self) -> Vec<f32> {
-        let mut table: Vec<f64> = Vec::new();
-        let vector = |table: &mut Vec<f64>, v: DVec3| table.extend(v.to_array());
-        let day = self.day.as_ref();
-        let dusk = self.twilight.as_ref();
-        // The order is that of the constants in the shader.
-        table.push(day.map_or(0.0, |(day, _)| day.form_number()));
-        vector(&mut table, self.toward_sun);
-        table.extend([self.toward_azimuth.x, self.toward_azimuth.z]);
-        vector(&mut table, self.uniform);
-        vector(&mut table, self.cloud);
-        table.push(day.map_or(0.0, |(_, scale)| *scale));
-        table.push(day.map_or(0.0, |(day, _)| day.grey));
-        table.push(dusk.map_or(0.0, |(_, scale)| *scale));
-        table.push(PIECES as f64);
-        table.extend([twilight::GRID[0], twilight::GRID[1]].map(|n| n as f64));
-        vector(&mut table, LUMINANCE);
-        if let Some((day, _)) = day {
-            vector(&mut table, day.overcast());
-            table.extend(day.working_from_own().to_cols_array());
-            table.extend(day.factors().as_flattened());
-            table.extend(angles(day, PIECES).as_flattened());
-        } else {
-            let (matrix, factors) = (WORKING_FROM_XYZ.to_cols_array().len(), 6 * 5);
-            table.resize(table.len() + 3 + matrix + factors + 5 * (PIECES + 1), 0.0);
+        let whole = LAYOUT.iter().map(|(_, length)| length).sum();
+        let mut table = vec![0.0; whole];
+        let mut put = |name: &str, values: &[f64]| {
+            let before = LAYOUT.iter().take_while(|(other, _)| *other != name);
+            let at: usize = before.map(|(_, length)| length).sum();
+            for (place, value) in table[at..].iter_mut().zip(values) {
+                *place = *value as f32;
+            }
+        };
+        put("TOWARD_SUN", &self.toward_sun.to_array());
+        put(
+            "TOWARD_AZIMUTH",
+            &[self.toward_azimuth.x, self.toward_azimuth.z],
+        );
+        put("UNIFORM", &self.uniform.to_array());
+        put("CLOUD", &self.cloud.to_array());
+        put("PIECES", &[PIECES as f64]);
+        put("DUSK_SIZE", &twilight::GRID.map(|n| n as f64));
+        put("LUMINANCE", &LUMINANCE.to_array());
+        if let Some((day, scale)) = &self.day {
+            put("FORM", &[day.form_number()]);
+            put("DAY_SCALE", &[*scale]);
+            put("GREY", &[day.grey]);
+            put("OVERCAST", &day.overcast().to_array());
+            put("COLOURS", &day.working_from_own().to_cols_array());
+            put("FACTORS", day.factors().as_flattened());
+            put("ANGLES", angles(day, PIECES).as_flattened());
         }
-        if let Some((twilight, _)) = dusk {
-            table.extend(twilight.grid().flat_map(|part| part.to_array()));
+        if let Some((twilight, scale)) = &self.twilight {
+            put("DUSK_SCALE", &[*scale]);
+            let grid = twilight.grid().flat_map(|part| part.to_array());
+            table.extend(grid.map(|v| v as f32));
         }
-        table.into_iter().map(|v| v as f32).collect()
+        table
     }
 }
 

@@ -125,7 +125,7 @@ static TABLE: LazyLock<Vec<[f64; 6]>> = LazyLock::new(|| {
 });
 
 /// Asymmetry of the aerosol's phase function in the table.
-const AEROSOL_G: f64 = 0.76;
+pub(super) const AEROSOL_G: f64 = 0.76;
 
 /// Points of the grid that is read per direction: over sqrt(sin(view elevation)) and over azimuth.
 pub(super) const GRID: [usize; 2] = [64, 49];

@@ -5,16 +5,23 @@
 //! are shared by all methods and shown apart.
 
 use crate::accuracy::{self, flip};
+use crate::backend::gpu::Gpu;
+use crate::backend::reference::Reference;
+use crate::backend::{Limits, Rendered};
 use crate::colour::luminance;
 use crate::conditions::Conditions;
-use crate::effect::{ALL, Contribution, Field, Method};
+use crate::effect::{ALL, Contribution, Effect, Field, Method};
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::gpu::{Choice, Device, Gpu, Rendered};
 use crate::plan::{Overrules, Plan, Quality};
-use crate::reference::Reference;
 use glam::{DVec3, Vec3};
 use std::time::Duration;
+
+/// Studies take the memory that they need.
+const ANY: Limits<'static> = Limits {
+    memory: u64::MAX,
+    stop: None,
+};
 
 /// One setting of one method.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,7 +202,7 @@ pub fn truth(conditions: &Conditions) -> Result<Vec<Vec3>> {
         baseline: false,
     };
     let plan = plan(conditions, &trial, &[])?;
-    let rendered = Reference::new(&plan).render(u64::MAX, &|_| {})?;
+    let rendered = Reference::new(&plan).render(&ANY, &|_| {})?;
     Ok(inscatter(&rendered.frame))
 }
 
@@ -230,48 +237,51 @@ pub fn cost_at(curve: &[[f64; 2]], error: f64) -> f64 {
 /// Measures one trial over `frames` frames. `extra` are knobs of other effects, as `shadow.resolution`.
 ///
 /// # Errors
-/// Those of [`Plan::new`], [`Gpu::new`] and [`Gpu::render`].
+/// Those of [`Plan::new`], [`Gpu::count`] and [`Gpu::render`].
 pub fn measure(
+    gpu: &mut Gpu,
     conditions: &Conditions,
     trial: &Trial,
     extra: &[(String, f64)],
-    choice: Choice,
     truth: &[Vec3],
     frames: usize,
 ) -> Result<Outcome> {
     let plan = plan(conditions, trial, extra)?;
     let quiet = |_| {};
-    let counted = Gpu::counting(&plan, Device::open(choice)?)?.render(u64::MAX, &quiet)?;
-    let mut gpu = Gpu::new(&plan, Device::open(choice)?)?;
-    gpu.render(u64::MAX, &quiet)?;
+    let counted = gpu.count(&plan, &ANY, &quiet)?;
+    gpu.render(&plan, &ANY, &quiet)?;
     let runs = (0..frames.max(1))
-        .map(|_| gpu.render(u64::MAX, &quiet))
+        .map(|_| {
+            // Each frame draws its maps.
+            gpu.forget();
+            gpu.render(&plan, &ANY, &quiet)
+        })
         .collect::<Result<Vec<Rendered>>>()?;
-    let is_ours = |effect: &str| effect.starts_with("shafts_");
+    let is_ours = |effect: &Effect| effect.method.is_some();
     let median = |time: &dyn Fn(&Rendered) -> Duration| {
         let mut times: Vec<Duration> = runs.iter().map(time).collect();
         times.sort_unstable();
         times[times.len() / 2]
     };
     let passes: Vec<(&'static str, Duration)> = runs[0]
-        .passes
+        .steps
         .iter()
         .enumerate()
         .filter(|(_, pass)| is_ours(pass.effect))
         .map(|(i, pass)| {
             (
                 pass.pass,
-                median(&|run| run.passes[i].time.unwrap_or_default()),
+                median(&|run| run.steps[i].time.unwrap_or_default()),
             )
         })
         .collect();
-    let sum = |run: &Rendered, keep: &dyn Fn(&str) -> bool| -> Duration {
-        let kept = run.passes.iter().filter(|pass| keep(pass.effect));
+    let sum = |run: &Rendered, keep: &dyn Fn(&Effect) -> bool| -> Duration {
+        let kept = run.steps.iter().filter(|pass| keep(pass.effect));
         kept.filter_map(|pass| pass.time).sum()
     };
     let pixels = truth.len() as f64;
     let count = |kind: usize| {
-        let counts = counted.passes.iter().filter(|pass| is_ours(pass.effect));
+        let counts = counted.steps.iter().filter(|pass| is_ours(pass.effect));
         counts
             .filter_map(|pass| pass.counted)
             .map(|c| c[kind])
@@ -281,13 +291,19 @@ pub fn measure(
     let found = inscatter(&runs[0].frame);
     let [reference, test] = [truth, &found[..]]
         .map(|picture| -> Vec<DVec3> { picture.iter().map(|rgb| rgb.as_dvec3()).collect() });
-    let flip = flip::hdr(&reference, &test, conditions.size, flip::PIXELS_PER_DEGREE)?.mean;
+    let flip = flip::hdr(
+        &reference,
+        &test,
+        conditions.view.size,
+        flip::PIXELS_PER_DEGREE,
+    )?
+    .mean;
     let (relative_rmse, percentile_99, bias) = errors(&found, truth);
     Ok(Outcome {
         trial: trial.clone(),
         passes,
         in_scatter: median(&|run| sum(run, &is_ours)),
-        maps: median(&|run| sum(run, &|effect| effect == "shadow")),
+        maps: median(&|run| sum(run, &Effect::draws_maps)),
         reads: count(0),
         nodes: count(1),
         relative_rmse,

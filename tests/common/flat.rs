@@ -63,16 +63,21 @@ pub fn fence(period: f64, share: f64) -> View {
 /// The same without anything that casts a shadow.
 pub fn open(conditions: &Conditions) -> Conditions {
     let sun = [conditions.sun_azimuth_deg(), conditions.sun_elevation_deg()];
-    view(&[], sun, conditions.air.media[0].clone(), conditions.camera)
-        .conditions(conditions.size)
-        .expect("sound")
+    view(
+        &[],
+        sun,
+        conditions.air.media[0].clone(),
+        conditions.view.camera,
+    )
+    .conditions(conditions.view.size)
+    .expect("sound")
 }
 
 pub fn rays(conditions: &Conditions) -> Vec<Ray> {
-    let [w, h] = conditions.size;
+    let [w, h] = conditions.view.size;
     (0..h)
         .flat_map(|y| (0..w).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)))
-        .map(|at| conditions.camera.ray(at, conditions.size))
+        .map(|at| conditions.view.camera.ray(at, conditions.view.size))
         .collect()
 }
 

@@ -1,7 +1,9 @@
 //! Where the z-partitions' shadow maps look: fitted across the light, as dense as the picture asks, snapped to whole texels.
 
-use super::shared::{Light, PARTITIONS, PartitionMap};
-use crate::conditions::{Conditions, SunPoint};
+use super::shared::{self, PARTITIONS, PartitionMap};
+use crate::beam::Beam;
+use crate::conditions::Conditions;
+use crate::effect::MapSettings;
 use crate::scene::Projection;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec4};
 
@@ -14,24 +16,6 @@ const TURN: f64 = 0.4;
 
 /// Maps have about so many texels on a side, however few pixels there are, unless their resolution is less.
 const LEAST: f64 = 256.0;
-
-/// How the camera's depth is split.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Split {
-    /// Into how many parts.
-    pub partitions: usize,
-    /// Share of the logarithmic spacing; the rest is even.
-    pub logarithmic: f64,
-}
-
-/// How many texels maps have.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Resolution {
-    /// Texels across a pixel's width in the middle of each partition, where they fit.
-    pub density: f64,
-    /// The most on a side.
-    pub most: u32,
-}
 
 /// A rectangle across the light [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,11 +61,12 @@ struct Part {
 
 /// Width of a pixel in the middle of the picture at a depth [m].
 fn pixel_width(conditions: &Conditions, depth: f64) -> f64 {
-    let middle = 0.5 * UVec2::from(conditions.size).as_dvec2();
+    let middle = 0.5 * UVec2::from(conditions.view.size).as_dvec2();
     let at = |x: f64, y: f64| {
         let ray = conditions
+            .view
             .camera
-            .ray(middle + DVec2::new(x, y), conditions.size);
+            .ray(middle + DVec2::new(x, y), conditions.view.size);
         ray.origin + depth * ray.direction
     };
     let middle = at(0.0, 0.0);
@@ -92,48 +77,78 @@ fn pixel_width(conditions: &Conditions, depth: f64) -> f64 {
 
 /// The corners of the camera's view: where each corner's rays begin and what they do for a metre of depth.
 fn corner_rays(conditions: &Conditions) -> Vec<(DVec3, DVec3)> {
-    let [w, h] = conditions.size.map(f64::from);
-    let [_, _, forward] = conditions.camera.axes();
+    let [w, h] = conditions.view.size.map(f64::from);
+    let [_, _, forward] = conditions.view.camera.axes();
     [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)]
         .map(|(x, y)| {
-            let ray = conditions.camera.ray(DVec2::new(x, y), conditions.size);
+            let ray = conditions
+                .view
+                .camera
+                .ray(DVec2::new(x, y), conditions.view.size);
             (ray.origin, ray.direction / ray.direction.dot(forward))
         })
         .to_vec()
 }
 
 /// Depths at which the camera's view is split, from 0 on: the last is that of the farthest caster.
-fn splits(nearest: f64, farthest: f64, split: Split) -> Vec<f64> {
+fn splits(nearest: f64, farthest: f64, settings: &MapSettings) -> Vec<f64> {
     let near = nearest.max(farthest / DEPTHS);
-    (0..=split.partitions)
+    (0..=settings.partitions)
         .map(|i| {
-            let f = i as f64 / split.partitions as f64;
+            let f = i as f64 / settings.partitions as f64;
             let logarithmic = near * (farthest / near).powf(f);
             let even = near + (farthest - near) * f;
             match i {
                 0 => 0.0,
-                _ => split.logarithmic * logarithmic + (1.0 - split.logarithmic) * even,
+                _ => settings.logarithmic * logarithmic + (1.0 - settings.logarithmic) * even,
             }
         })
         .collect()
 }
 
-/// A light and its maps' windows, the finest map first. Its `side` is that of the largest map.
+/// Texels on a side of each of the six faces around a local beam, of what a map may have at most.
+const FACE: u32 = 4;
+
+/// A local beam: six maps, the faces of a cube around it.
+fn local(conditions: &Conditions, position: DVec3, radius: f64, most: u32) -> shared::Beam {
+    let extent = conditions.geometry.extent();
+    shared::Beam {
+        kind: shared::LOCAL,
+        partitions: 6,
+        side: (most / FACE).max(16) as f32,
+        position: (position - conditions.view.camera.eye).as_vec3(),
+        extent: radius as f32,
+        // Inside of the lamp nothing stands in its way.
+        near: radius.max(1e-4 * extent).max(f64::from(f32::MIN_POSITIVE)) as f32,
+        ..shared::Beam::default()
+    }
+}
+
+/// A beam and its maps' windows, the finest map first. Its `side` is that of the largest map; its strength is left at zero.
 ///
-/// A map is as dense as `resolution` asks in the middle of its partition, so that a partition has as many texels as the picture
+/// A map is as dense as the settings ask in the middle of its partition, so that a partition has as many texels as the picture
 /// has use for: near ones the most that a side may have, those in the distance or under a low sun fewer.
 pub fn fit(
     conditions: &Conditions,
     casters: &[DVec3],
-    sun: &SunPoint,
-    split: Split,
-    resolution: Resolution,
-) -> Light {
-    let eye = conditions.camera.eye;
+    beam: &Beam,
+    settings: &MapSettings,
+) -> shared::Beam {
+    let (toward, angular_radius) = match *beam {
+        Beam::Parallel {
+            toward,
+            angular_radius,
+            ..
+        } => (toward, angular_radius),
+        Beam::Local {
+            position, radius, ..
+        } => return local(conditions, position, radius, settings.most),
+    };
+    let eye = conditions.view.camera.eye;
     let geometry = &conditions.geometry;
     let (low, high) = geometry.bounds();
     let origin = 0.5 * (low + high);
-    let height = sun.toward;
+    let height = toward;
     let level = DVec3::Y.cross(height).try_normalize().unwrap_or(DVec3::X);
     let across = TURN.cos() * level + TURN.sin() * height.cross(level);
     let along = height.cross(across);
@@ -157,7 +172,7 @@ pub fn fit(
     };
     (lowest, highest) = (lowest - slack, highest + slack);
 
-    let mut parts = views(conditions, place, (low, high), split);
+    let mut parts = views(conditions, place, (low, high), settings);
     parts
         .iter_mut()
         .for_each(|part| part.window = part.window.within(&all));
@@ -166,8 +181,8 @@ pub fn fit(
     for part in &mut parts {
         part.window.min -= slack;
         part.window.max += slack;
-        let texel = pixel_width(conditions, part.depth) / resolution.density;
-        let map = snapped(&part.window, texel, resolution.most, geometry.extent());
+        let texel = pixel_width(conditions, part.depth) / settings.density;
+        let map = snapped(&part.window, texel, settings.most, geometry.extent());
         fitted.push((part.window, map));
     }
     let area = |map: &PartitionMap| map.texel.x * map.texel.y;
@@ -175,7 +190,9 @@ pub fn fit(
     // What a finer map covers is never read from a coarser one.
     let mut maps: Vec<(Window, PartitionMap)> = Vec::with_capacity(fitted.len());
     for (window, map) in fitted {
-        if maps.len() < PARTITIONS && !maps.iter().any(|(finer, _)| finer.encloses(&window)) {
+        if maps.len() < PARTITIONS as usize
+            && !maps.iter().any(|(finer, _)| finer.encloses(&window))
+        {
             maps.push((window, map));
         }
     }
@@ -186,10 +203,11 @@ pub fn fit(
         let offset = axis.dot(eye - origin);
         Vec4::from((axis.as_vec3(), offset as f32))
     };
-    let mut light = Light {
-        toward: sun.toward.as_vec3(),
+    let mut light = shared::Beam {
+        kind: shared::PARALLEL,
+        extent: angular_radius as f32,
+        toward: toward.as_vec3(),
         partitions: maps.len() as u32,
-        illuminance: sun.illuminance.as_vec3(),
         side,
         across: plane(across),
         along: plane(along),
@@ -201,7 +219,7 @@ pub fn fit(
             all.max.y as f32,
         ),
         heights: Vec4::new(lowest as f32, highest as f32, 0.0, 0.0),
-        ..Light::default()
+        ..shared::Beam::default()
     };
     for (place, (_, map)) in light.maps.iter_mut().zip(&maps) {
         *place = *map;
@@ -214,9 +232,9 @@ fn views(
     conditions: &Conditions,
     place: impl Fn(DVec3) -> DVec2,
     (low, high): (DVec3, DVec3),
-    split: Split,
+    settings: &MapSettings,
 ) -> Vec<Part> {
-    let eye = conditions.camera.eye;
+    let eye = conditions.view.camera.eye;
     let corners = (0..8).map(|i| {
         let pick = |bit: usize, a: f64, b: f64| if i & bit == 0 { a } else { b };
         DVec3::new(
@@ -225,15 +243,15 @@ fn views(
             pick(4, low.z, high.z),
         )
     });
-    if conditions.camera.projection == Projection::Panorama {
+    if conditions.view.camera.projection == Projection::Panorama {
         // Nested squares around the eye.
         let farthest = corners.map(|c| c.distance(eye)).fold(0.0, f64::max);
-        let depths = splits(0.0, farthest, split);
+        let depths = splits(0.0, farthest, settings);
         return depths
             .windows(2)
             .zip(1..)
             .map(|(pair, i)| {
-                let reach = if i == split.partitions {
+                let reach = if i == settings.partitions {
                     f64::INFINITY
                 } else {
                     pair[1]
@@ -248,7 +266,7 @@ fn views(
             })
             .collect();
     }
-    let [_, _, forward] = conditions.camera.axes();
+    let [_, _, forward] = conditions.view.camera.axes();
     let depths: Vec<f64> = corners.map(|c| (c - eye).dot(forward)).collect();
     let farthest = depths.iter().copied().fold(0.0, f64::max);
     let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
@@ -271,7 +289,7 @@ fn views(
             depth: 0.5 * nearest.abs(),
         }];
     }
-    let splits = splits(nearest, farthest, split);
+    let splits = splits(nearest, farthest, settings);
     let slice = |from: f64, to: f64| {
         rays.iter().fold(Window::EMPTY, |window, (origin, step)| {
             window
@@ -283,7 +301,7 @@ fn views(
         .windows(2)
         .zip(1..)
         .map(|(pair, i)| Part {
-            window: if i == split.partitions {
+            window: if i == settings.partitions {
                 cone
             } else {
                 slice(pair[0], pair[1])
@@ -322,9 +340,11 @@ mod tests {
         let depths = splits(
             0.1,
             100.0,
-            Split {
+            &MapSettings {
                 partitions: 4,
                 logarithmic: 0.7,
+                most: 512,
+                density: 1.0,
             },
         );
         assert_eq!(depths.len(), 5);

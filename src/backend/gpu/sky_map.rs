@@ -3,9 +3,11 @@
 //! The sky comes from the same table as behind a scene. The sun's disc is not in it: its few texels are
 //! [`Map::disc`]'s, in f64.
 
-use super::device::{Device, Traffic};
+use super::device::Device;
 use super::shared;
+use super::source;
 use super::timer::Timer;
+use crate::backend::Traffic;
 use crate::error::Result;
 use crate::sky::Sky;
 use crate::sky::map::{Map, Projection};
@@ -142,9 +144,10 @@ fn turns(map: &Map) -> Vec<[f32; 2]> {
 }
 
 fn pipeline(device: &Device) -> ComputePipeline {
-    let source = concat!(
-        include_str!("../../shaders/sky_map.wgsl"),
-        include_str!("../../shaders/common/sky_table.wgsl"),
+    let source = format!(
+        "{}@group(1) @binding(2) var<storage, read> sky_numbers: array<f32>;\n{}",
+        source::sky_table(),
+        include_str!("../../../shaders/sky_map.wgsl"),
     );
     let module = device.device.create_shader_module(ShaderModuleDescriptor {
         label: Some("sky map"),
@@ -170,7 +173,7 @@ mod tests {
     #[test]
     fn the_struct_lies_alike_on_both_sides() {
         let module = wgsl::parse_str(
-            include_str!("../../shaders/sky_map.wgsl")
+            include_str!("../../../shaders/sky_map.wgsl")
                 .split("fn sine")
                 .next()
                 .unwrap(),

@@ -1,65 +1,136 @@
-//! What the CPU does of a tile: effects without passes, panoramas, and pixels at silhouettes.
+//! What the CPU does of a tile: effects without passes, panoramas, points, and pixels at silhouettes.
 
-use super::*;
+use super::job::{CHUNK, Job, float, pixel_of, surface_word};
+use super::prepare::Work;
+use super::shared;
+use crate::colour::Space;
+use crate::conditions::Receivers;
+use crate::effect::visibility::{ground_surface, known_surface, receiver_surface};
+use crate::effect::{Field, Fields};
+use crate::error::Result;
+use crate::scene::Ray;
+use glam::{DVec3, UVec2};
+use rayon::prelude::*;
+use std::time::Instant;
+use wgpu::*;
 
-impl Gpu<'_> {
-    /// What the effects without passes add to fields.
-    pub(super) fn host(
+impl Job<'_> {
+    /// Runs an effect without passes on the fields as the effects before it left them.
+    pub(super) fn run_host(
         &mut self,
-        rays: &[Ray],
-        pixels: Vec<UVec2>,
+        index: usize,
+        corner: UVec2,
         extent: UVec2,
-    ) -> Result<Vec<(Field, Vec<[f32; 4]>)>> {
+        rays: &[Ray],
+    ) -> Result<()> {
+        let mut chunks = match self.on_cpu.take() {
+            Some(chunks) => chunks,
+            None => self.rays_on_cpu(corner, extent, rays)?,
+        };
+        let Work::Host(host) = &self.stages[index].work else {
+            return Ok(());
+        };
+        let (fetch, bring) = (host.fetch.clone(), host.bring.clone());
+        if !fetch.is_empty() {
+            let bytes = self.read(&fetch)?;
+            let mut at = 0;
+            for target in self.fields.iter().filter(|t| fetch.contains(&t.field)) {
+                for (c, chunk) in chunks.iter_mut().enumerate() {
+                    let values = (0..chunk.rays.len()).map(|i| {
+                        let word = at / 4 + 4 * (c * CHUNK + i);
+                        let value = |k| f64::from(float(&bytes, word + k));
+                        DVec3::new(value(0), value(1), value(2))
+                    });
+                    chunk.put(target.field, values.collect());
+                }
+                at += target.bytes as usize;
+            }
+        }
+        let stage = &mut self.stages[index];
+        if let Work::Host(host) = &stage.work {
+            let start = Instant::now();
+            chunks.par_iter_mut().for_each(&host.batch);
+            stage.on_cpu += start.elapsed();
+            stage.runs += 1;
+        }
+        for field in bring {
+            let values: Vec<[f32; 4]> = chunks
+                .iter()
+                .flat_map(|fields| fields.get(field).into_iter().flatten())
+                .map(|v| v.as_vec3().extend(0.0).to_array())
+                .collect();
+            if let Some(target) = self.fields.iter().find(|t| t.field == field) {
+                self.device
+                    .write(&target.buffer, bytemuck::cast_slice(&values));
+            }
+        }
+        self.on_cpu = Some(chunks);
+        Ok(())
+    }
+
+    /// The tile's rays with what they meet, as the device has found it.
+    fn rays_on_cpu(&self, corner: UVec2, extent: UVec2, rays: &[Ray]) -> Result<Vec<Fields>> {
         let conditions = self.plan.conditions;
         let bytes = self.read(&[Field::Surface])?;
-        let numbers: Vec<u32> = (0..(extent.x * extent.y) as usize)
-            .map(|i| surface_word(&bytes, i, 7).to_bits())
-            .collect();
         let working = Space::Rec709.to_working();
         let triangles = &self.triangles.numbers;
         let mut chunks: Vec<Fields> = (0..rays.len())
             .step_by(CHUNK)
             .map(|from| {
                 let to = (from + CHUNK).min(rays.len());
-                Fields::new(
-                    rays[from..to].to_vec(),
-                    pixels[from..to].to_vec(),
-                    &self.written,
-                )
+                let pixels = (from..to).map(|i| pixel_of(i, corner, extent)).collect();
+                Fields::new(rays[from..to].to_vec(), pixels, &self.written)
             })
             .collect();
         chunks.par_iter_mut().enumerate().for_each(|(c, fields)| {
             for (i, surface) in fields.surfaces.iter_mut().enumerate() {
                 let ray = &fields.rays[i];
-                *surface = match numbers[c * CHUNK + i] {
-                    0 | 1 => ground_surface(conditions, ray),
-                    n => known_surface(conditions, ray, triangles[n as usize - 2], working),
+                let number = surface_word(&bytes, c * CHUNK + i, 7).to_bits();
+                *surface = match (&conditions.view.receivers, number) {
+                    (Receivers::Points(_), _) => {
+                        receiver_surface(&conditions.view, fields.pixels[i])
+                    }
+                    (_, shared::NOTHING | shared::GROUND) => ground_surface(conditions, ray),
+                    (_, n) => known_surface(
+                        conditions,
+                        ray,
+                        triangles[(n - shared::GROUND) as usize - 1],
+                        working,
+                    ),
                 };
             }
         });
-        for stage in &mut self.stages {
-            if let Work::Host(batch) = &stage.work {
-                let start = Instant::now();
-                chunks.par_iter_mut().for_each(batch);
-                stage.on_cpu += start.elapsed();
-                stage.runs += 1;
-            }
+        Ok(chunks)
+    }
+
+    /// Puts the points whose illuminance is wanted in the place of what rays meet.
+    pub(super) fn write_points(&self, corner: UVec2, extent: UVec2) {
+        let view = &self.plan.conditions.view;
+        let surfaces: Vec<shared::Surface> = (0..(extent.x * extent.y) as usize)
+            .map(|i| {
+                let surface = receiver_surface(view, pixel_of(i, corner, extent));
+                match surface.is_met() {
+                    false => shared::Surface::default(),
+                    true => shared::Surface {
+                        normal: surface.normal.as_vec3(),
+                        distance: surface.distance as f32,
+                        facet: surface.facet.as_vec3(),
+                        number: shared::GROUND,
+                        albedo: surface.albedo.as_vec3(),
+                    },
+                }
+            })
+            .collect();
+        if let Some(target) = self.fields.iter().find(|t| t.field == Field::Surface) {
+            self.device.write(&target.buffer, &shared::list(&surfaces));
         }
-        let values = |field: Field| -> Vec<[f32; 4]> {
-            chunks
-                .iter()
-                .flat_map(|fields| fields.get(field).into_iter().flatten())
-                .map(|v| v.as_vec3().extend(0.0).to_array())
-                .collect()
-        };
-        Ok(self.from_host.iter().map(|f| (*f, values(*f))).collect())
     }
 
     /// Finds the triangles of a panorama, which cannot be rasterised.
     pub(super) fn draw_by_cpu(&mut self, index: usize, extent: UVec2, rays: &[Ray]) -> Result<()> {
         let start = Instant::now();
         let geometry = &self.plan.conditions.geometry;
-        let triangles = &self.triangles;
+        let triangles = self.triangles;
         let numbers: Vec<u32> = rays
             .par_iter()
             .with_min_len(CHUNK)
@@ -83,8 +154,8 @@ impl Gpu<'_> {
         let drawn = self.read_numbers(extent)?;
         let start = Instant::now();
         let geometry = &self.plan.conditions.geometry;
-        let triangles = &self.triangles;
-        let planes = &self.planes;
+        let triangles = self.triangles;
+        let planes = self.planes;
         let (w, h) = (extent.x as i32, extent.y as i32);
         let numbers: Vec<u32> = (0..w * h)
             .into_par_iter()

@@ -5,68 +5,58 @@
 //! differ from a neighbour are then taken again with that many rays: with all effects where the air's light differs, without
 //! the air's where only surfaces or background do.
 
+use super::film::Film;
+use super::{Limits, Progress, Rendered, StepTime};
 use crate::colour::luminance;
-use crate::effect::{ALL, Batch, Effect, Field, Fields, Settings, Surface};
-use crate::error::{Error, Result};
-use crate::frame::{Frame, Layer, NO_HIT};
+use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
+use crate::error::Result;
+use crate::frame::{Frame, Layer, NO_HIT, Part};
 use crate::plan::{Plan, sample_positions};
-use glam::{DVec2, DVec3, UVec2, Vec3};
+use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-
-/// Called with the share of the work that is done, 0 to 1.
-pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 
 /// Neighbouring pixels that differ by less than this share of the brighter one's luminance need no more rays.
 const CONTRAST: f64 = 0.05;
 
-/// The same for the air's own light, which is soft but where a surface ends, and dear.
+/// The same for the air's own light, which is soft but where a surface ends, and expensive.
 const AIR_CONTRAST: f64 = 0.15;
+
+/// Colours by field: `values[field as usize]`. That of [`Field::Surface`] is nothing.
+pub type Values = [DVec3; Field::COUNT];
 
 /// What one pixel holds.
 #[derive(Debug, Clone)]
 pub struct Sample {
-    /// The layers of [`Field::LAYERS`], zero where none was made [cd/m2].
-    pub layers: [DVec3; 7],
-    /// Light let through by the air.
-    pub transmittance: DVec3,
+    /// By field: layers are zero where none was made [cd/m2], the transmittance is one.
+    pub values: Values,
     /// The surface.
     pub surface: Surface,
 }
 
 impl Sample {
+    /// The value of a field.
+    pub fn get(&self, field: Field) -> DVec3 {
+        self.values[field as usize]
+    }
+
     /// The picture: the sum of the layers [cd/m2].
     pub fn picture(&self) -> DVec3 {
-        self.layers.iter().sum()
+        picture(&self.values)
     }
 }
 
-/// Time that an effect took, summed over cores.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StageTime {
-    /// The effect.
-    pub effect: &'static str,
-    /// Summed over cores.
-    pub time: Duration,
-}
-
-/// A finished rendering.
-pub struct Rendered {
-    /// The picture.
-    pub frame: Frame,
-    /// Time of each effect, summed over cores.
-    pub stages: Vec<StageTime>,
-    /// Pixels that were taken again with more rays.
-    pub refined: usize,
-    /// From the first ray to the last.
-    pub elapsed: Duration,
+/// The picture: the sum of the layers [cd/m2].
+pub fn picture(values: &Values) -> DVec3 {
+    Field::layers().map(|field| values[field as usize]).sum()
 }
 
 struct Prepared<'a> {
     effect: &'static Effect,
     run: Batch<'a>,
     nanoseconds: AtomicU64,
+    runs: AtomicU32,
 }
 
 /// Which effects are run on a ray.
@@ -87,6 +77,11 @@ pub struct Reference<'a> {
 impl<'a> Reference<'a> {
     /// Prepares the effects of a plan.
     pub fn new(plan: &'a Plan<'a>) -> Self {
+        Self::keeping(plan, &Kept::default())
+    }
+
+    /// The same with what effects kept of plans before, as far as it still holds; what is new is kept there.
+    pub fn keeping(plan: &'a Plan<'a>, kept: &Kept) -> Self {
         let steps: Vec<_> = plan
             .running()
             .map(|step| {
@@ -95,8 +90,9 @@ impl<'a> Reference<'a> {
                 };
                 Prepared {
                     effect: step.effect,
-                    run: (step.effect.reference)(plan.conditions, &settings),
+                    run: (step.effect.reference)(plan.conditions, &settings, kept),
                     nanoseconds: AtomicU64::new(0),
+                    runs: AtomicU32::new(0),
                 }
             })
             .collect();
@@ -105,16 +101,6 @@ impl<'a> Reference<'a> {
             steps,
             written: plan.written(),
         }
-    }
-
-    /// Memory that a frame of this plan's size holds [bytes].
-    pub fn frame_bytes(&self) -> u64 {
-        let [w, h] = self.plan.conditions.size;
-        let layers = Field::LAYERS
-            .iter()
-            .filter(|f| self.written.contains(f))
-            .count();
-        u64::from(w) * u64::from(h) * Frame::bytes_per_pixel(layers) as u64
     }
 
     /// Takes rays through positions of the picture [pixels]; each belongs to the pixel that is named.
@@ -126,7 +112,7 @@ impl<'a> Reference<'a> {
         let conditions = self.plan.conditions;
         let rays = positions
             .iter()
-            .map(|(_, at)| conditions.camera.ray(*at, conditions.size))
+            .map(|(_, at)| conditions.view.ray(*at))
             .collect();
         let pixels = positions.iter().map(|(pixel, _)| *pixel).collect();
         let mut fields = Fields::new(rays, pixels, &self.written);
@@ -138,14 +124,15 @@ impl<'a> Reference<'a> {
             (step.run)(&mut fields);
             let elapsed = start.elapsed().as_nanos() as u64;
             step.nanoseconds.fetch_add(elapsed, Ordering::Relaxed);
+            step.runs.fetch_add(1, Ordering::Relaxed);
         }
         (0..positions.len())
             .map(|i| Sample {
-                layers: Field::LAYERS
-                    .map(|layer| fields.get(layer).map_or(DVec3::ZERO, |values| values[i])),
-                transmittance: fields
-                    .get(Field::Transmittance)
-                    .map_or(DVec3::ONE, |values| values[i]),
+                values: Field::ALL.map(|field| match (fields.get(field), field.part()) {
+                    (Some(values), _) => values[i],
+                    (None, Part::Share) => DVec3::ONE,
+                    (None, _) => DVec3::ZERO,
+                }),
                 surface: fields.surfaces[i],
             })
             .collect()
@@ -162,9 +149,8 @@ impl<'a> Reference<'a> {
             .collect()
     }
 
-    /// The layers of [`Field::LAYERS`] and the transmittance of pixels, each the mean of `samples` rays at the places of
-    /// [`sample_positions`], on all cores.
-    pub fn sampled(&self, pixels: &[UVec2], samples: u32) -> Vec<[DVec3; 8]> {
+    /// The fields of pixels, each the mean of `samples` rays at the places of [`sample_positions`], on all cores.
+    pub fn sampled(&self, pixels: &[UVec2], samples: u32) -> Vec<Values> {
         let offsets = sample_positions(samples);
         pixels
             .par_chunks(16)
@@ -176,12 +162,18 @@ impl<'a> Reference<'a> {
     }
 
     /// Time of each effect so far, summed over cores.
-    pub fn stage_times(&self) -> Vec<StageTime> {
+    pub fn times(&self) -> Vec<StepTime> {
         self.steps
             .iter()
-            .map(|step| StageTime {
-                effect: step.effect.name,
-                time: Duration::from_nanos(step.nanoseconds.load(Ordering::Relaxed)),
+            .map(|step| StepTime {
+                effect: step.effect,
+                pass: "reference",
+                on_cpu: true,
+                runs: step.runs.load(Ordering::Relaxed),
+                counted: None,
+                time: Some(Duration::from_nanos(
+                    step.nanoseconds.load(Ordering::Relaxed),
+                )),
             })
             .collect()
     }
@@ -189,40 +181,27 @@ impl<'a> Reference<'a> {
     /// Renders the whole picture.
     ///
     /// # Errors
-    /// [`Error::Input`] when the frame would hold more than `memory_limit` bytes.
-    pub fn render(&self, memory_limit: u64, progress: Progress) -> Result<Rendered> {
-        let [width, height] = self.plan.conditions.size;
-        let bytes = self.frame_bytes();
-        if bytes > memory_limit {
-            return Err(Error::input(
-                format!("--size {width}x{height}"),
-                format!(
-                    "the frame would hold {} MiB, more than the limit of {} MiB",
-                    bytes >> 20,
-                    memory_limit >> 20
-                ),
-                "make the picture smaller, leave effects out with --without, or raise the limit with --max-memory",
-            ));
-        }
+    /// [`crate::Error::Input`] when the frame would hold more than the limit's memory; [`crate::Error::Stopped`] when it was
+    /// stopped.
+    pub fn render(&self, limits: &Limits, progress: Progress) -> Result<Rendered> {
+        let view = &self.plan.conditions.view;
+        let [width, height] = view.size;
+        let mut film = Film::new(view.size, &self.written, limits.memory)?;
         let start = Instant::now();
-        let mut frame = Frame::new(width, height);
-        let pixels = frame.pixels();
-        for layer in Field::LAYERS.iter().filter(|f| self.written.contains(f)) {
-            frame.layers.push(Layer {
-                name: layer.name(),
-                rgb: vec![Vec3::ZERO; pixels],
-            });
-        }
-        let samples = self.plan.conditions.samples;
+        let samples = view.samples;
         let first_share = if samples > 1 { 0.5 } else { 1.0 };
         const BAND: u32 = 32;
         for top in (0..height).step_by(BAND as usize) {
+            limits.check()?;
             let band: Vec<UVec2> = (top..(top + BAND).min(height))
                 .flat_map(|y| (0..width).map(move |x| UVec2::new(x, y)))
                 .collect();
             let found = self.pixels(&band);
             for (pixel, sample) in band.iter().zip(&found) {
-                self.put(&mut frame, *pixel, sample);
+                put(&mut film, *pixel, &sample.values, Extent::All);
+                let surface = &sample.surface;
+                let distance = (surface.distance as f32).min(NO_HIT);
+                film.set_surface(*pixel, distance, surface.normal.as_vec3());
             }
             progress(
                 first_share * f64::from(top + BAND).min(f64::from(height)) / f64::from(height),
@@ -230,16 +209,17 @@ impl<'a> Reference<'a> {
         }
         let mut refined = 0;
         if samples > 1 {
-            let edges = edges(&frame);
+            let edges = edges(film.frame());
             refined = edges.len();
             let offsets = sample_positions(samples);
             for (part, chunk) in edges.chunks(4096).enumerate() {
-                let means: Vec<[DVec3; 8]> = chunk
+                limits.check()?;
+                let means: Vec<Values> = chunk
                     .par_chunks(16)
                     .flat_map_iter(|edges| self.means(edges, &offsets))
                     .collect();
                 for ((pixel, extent), mean) in chunk.iter().zip(&means) {
-                    self.put_mean(&mut frame, *pixel, mean, *extent);
+                    put(&mut film, *pixel, mean, *extent);
                 }
                 let done = (part * 4096 + chunk.len()) as f64 / edges.len() as f64;
                 progress(first_share + (1.0 - first_share) * done);
@@ -247,15 +227,16 @@ impl<'a> Reference<'a> {
         }
         progress(1.0);
         Ok(Rendered {
-            frame,
-            stages: self.stage_times(),
+            frame: film.into_frame(),
+            steps: self.times(),
             refined,
             elapsed: start.elapsed(),
+            ..Rendered::default()
         })
     }
 
-    /// The means over `offsets` of the layers and the transmittance of each pixel.
-    fn means(&self, edges: &[(UVec2, Extent)], offsets: &[DVec2]) -> Vec<[DVec3; 8]> {
+    /// The means over `offsets` of the fields of each pixel.
+    fn means(&self, edges: &[(UVec2, Extent)], offsets: &[DVec2]) -> Vec<Values> {
         edges
             .iter()
             .map(|(pixel, extent)| {
@@ -263,68 +244,51 @@ impl<'a> Reference<'a> {
                     .iter()
                     .map(|offset| (*pixel, pixel.as_dvec2() + *offset))
                     .collect();
-                let mut mean = [DVec3::ZERO; 8];
+                let mut mean = [DVec3::ZERO; Field::COUNT];
                 for sample in self.trace_with(&positions, *extent) {
-                    for (m, v) in mean.iter_mut().zip(&sample.layers) {
+                    for (m, v) in mean.iter_mut().zip(&sample.values) {
                         *m += v / offsets.len() as f64;
                     }
-                    mean[7] += sample.transmittance / offsets.len() as f64;
                 }
                 mean
             })
             .collect()
     }
+}
 
-    fn put(&self, frame: &mut Frame, pixel: UVec2, sample: &Sample) {
-        let index = (pixel.y * frame.width + pixel.x) as usize;
-        let mut values = [DVec3::ZERO; 8];
-        values[..7].copy_from_slice(&sample.layers);
-        values[7] = sample.transmittance;
-        self.put_mean(frame, pixel, &values, Extent::All);
-        let surface = &sample.surface;
-        frame.depth[index] = (surface.distance as f32).min(NO_HIT);
-        frame.normal[index] = surface.normal.as_vec3();
-    }
-
-    fn put_mean(&self, frame: &mut Frame, pixel: UVec2, values: &[DVec3; 8], extent: Extent) {
-        let index = (pixel.y * frame.width + pixel.x) as usize;
-        for layer in &mut frame.layers {
-            let slot = Field::LAYERS
-                .iter()
-                .position(|f| f.name() == layer.name)
-                .expect("only layers of the list are made");
-            if extent == Extent::WithoutAir && AIR.contains(&Field::LAYERS[slot]) {
-                continue;
-            }
-            layer.rgb[index] = values[slot].as_vec3();
+/// Puts the values of a pixel into the picture, those of the air's own light only where they were made.
+fn put(film: &mut Film, pixel: UVec2, values: &Values, extent: Extent) {
+    for field in Field::ALL {
+        if extent == Extent::All || field.part() != Part::Air {
+            film.set(field, pixel, values[field as usize].as_vec3());
         }
-        frame.transmittance[index] = values[7].as_vec3();
     }
 }
 
 /// Wall time that each effect of the whole picture will take, one ray a pixel, judged by 2048 pixels.
 ///
-/// Of an effect that remembers, later pixels cost less: its time is taken to level off exponentially, as that of 2048
+/// Of an effect that keeps results, later pixels cost less: its time is taken to level off exponentially, as that of 2048
 /// pixels against that of the first 512 has it. A prediction, not a bound.
-pub fn predict(reference: &Reference) -> Vec<StageTime> {
-    let [w, h] = reference.plan.conditions.size;
+pub fn predict(reference: &Reference) -> Vec<StepTime> {
+    let [w, h] = reference.plan.conditions.view.size;
     let all = f64::from(w) * f64::from(h);
     let pixels = spread([w, h], 2048);
     let (few, rest) = pixels.split_at(pixels.len() / 4);
     let start = Instant::now();
     reference.pixels(few);
-    let first = reference.stage_times();
+    let first = reference.times();
     reference.pixels(rest);
-    let second = reference.stage_times();
-    let cpu: f64 = second.iter().map(|s| s.time.as_secs_f64()).sum();
+    let second = reference.times();
+    let seconds = |step: &StepTime| step.time.unwrap_or_default().as_secs_f64();
+    let cpu: f64 = second.iter().map(seconds).sum();
     let cores = cpu / start.elapsed().as_secs_f64().max(1e-9);
     first
         .iter()
         .zip(&second)
         .map(|(a, b)| {
-            let (few_time, time) = (a.time.as_secs_f64(), b.time.as_secs_f64());
+            let (few_time, time) = (seconds(a), seconds(b));
             let growth = if few_time > 0.0 { time / few_time } else { 4.0 };
-            let remembers = ALL.iter().any(|e| e.name == b.effect && e.remembers);
+            let remembers = !b.effect.keeps.is_empty();
             let whole = if !remembers || growth >= 4.0 || few.is_empty() {
                 time * all / pixels.len() as f64
             } else {
@@ -340,9 +304,9 @@ pub fn predict(reference: &Reference) -> Vec<StageTime> {
                 }
                 few_time * (1.0 - low.powf(all / few.len() as f64)) / (1.0 - low)
             };
-            StageTime {
-                effect: b.effect,
-                time: Duration::from_secs_f64(whole / cores.max(1.0)),
+            StepTime {
+                time: Some(Duration::from_secs_f64(whole / cores.max(1.0))),
+                ..b.clone()
             }
         })
         .collect()
@@ -372,22 +336,17 @@ fn centre(pixel: UVec2) -> DVec2 {
     pixel.as_dvec2() + 0.5
 }
 
-/// The layers of light that the air itself sends.
-const AIR: [Field; 3] = [
-    Field::InscatterSun,
-    Field::InscatterSky,
-    Field::InscatterLights,
-];
-
 /// Whether an effect makes nothing but the air's own light.
 fn only_air(effect: &Effect) -> bool {
-    !effect.writes.is_empty() && effect.writes.iter().all(|field| AIR.contains(field))
+    let mut made = effect.writes.iter().chain(effect.alters).peekable();
+    made.peek().is_some() && made.all(|field| field.part() == Part::Air)
 }
 
 /// The pixels whose colour differs from one of their eight neighbours', and what must be taken again there.
 fn edges(frame: &Frame) -> Vec<(UVec2, Extent)> {
     let (width, height) = (frame.width as usize, frame.height as usize);
-    let is_air = |layer: &&Layer| AIR.iter().any(|air| air.name() == layer.name);
+    let is_air =
+        |layer: &&Layer| Field::named(layer.name).is_some_and(|field| field.part() == Part::Air);
     let (picture, air): (Vec<DVec3>, Vec<DVec3>) = (0..frame.pixels())
         .into_par_iter()
         .map(|i| {

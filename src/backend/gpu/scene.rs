@@ -1,15 +1,21 @@
-//! The scene as the shaders read it: triangles relative to the eye, materials, texels, media.
+//! The scene as the shaders read it: triangles relative to an anchor, materials, texels, media.
+//!
+//! The anchor is where the eye stood when the scene came onto the device. Corners are made relative to it in f64 and stored in
+//! f32; shaders subtract the eye's place from there. That costs the digits of the way that the eye has gone since: within
+//! [`REACH`] they are less than the width of a hair. Beyond it the scene gets a new anchor.
 
+use super::beams::Slots;
 use super::device::Device;
 use super::shared::{self, Attributes, Material};
 use crate::conditions::Conditions;
 use crate::effect::Resource;
 use crate::error::Result;
 use crate::medium::{Fog, Phase, Shape};
-use crate::scene::{Geometry, Ray, Wrap};
+use crate::scene::{Geometry, Ray, Scene, Wrap};
 use glam::{DVec3, UVec2, Vec3};
 use std::collections::{BTreeMap, HashMap};
-use wgpu::{Buffer, BufferUsages};
+use std::sync::{Arc, OnceLock};
+use wgpu::{Buffer, BufferUsages, Texture};
 
 /// Which triangles are drawn, and in which order: the solid ones first.
 pub struct Triangles {
@@ -23,7 +29,7 @@ pub struct Triangles {
     drawn: Vec<u32>,
 }
 
-/// Corners in a row of the texture of them, as in shaders/common/light.wgsl: a multiple of 3 that every device takes.
+/// Corners in a row of the texture of them: a multiple of 3 that every device takes.
 const CORNERS: u32 = 6144;
 
 /// A triangle's plane.
@@ -67,35 +73,6 @@ impl Triangles {
         hit.map_or(0, |hit| self.drawn[hit.triangle as usize])
     }
 
-    /// The planes in which they lie.
-    pub fn planes(&self, conditions: &Conditions) -> Vec<Plane> {
-        self.corners(conditions)
-            .chunks_exact(3)
-            .map(|p| Plane {
-                point: p[0],
-                normal: (p[1] - p[0]).cross(p[2] - p[0]),
-            })
-            .collect()
-    }
-
-    /// Corners relative to the eye [m], three texels a triangle, in rows of [`CORNERS`]; each with the number, from 1, of the
-    /// triangle beyond the edge that begins there, 0 for none.
-    pub fn corner_texture(&self, device: &Device, conditions: &Conditions) -> wgpu::Texture {
-        let eye = conditions.camera.eye;
-        let corners = self.corners(conditions);
-        let beyond = beyond_edges(&corners[..3 * self.solid as usize]);
-        // Whole numbers up to 2^24 are exact; the others' edges end at nothing.
-        let number = |corner: usize| match beyond.get(corner) {
-            Some(Some(triangle)) if *triangle < 1 << 24 => (triangle + 1) as f32,
-            _ => 0.0,
-        };
-        let texels = corners
-            .iter()
-            .enumerate()
-            .map(|(i, p)| (*p - eye).as_vec3().extend(number(i)));
-        device.vectors("corners of casters", CORNERS, texels.collect())
-    }
-
     /// Corners of all of them [m], scene axes.
     pub fn corners(&self, conditions: &Conditions) -> Vec<DVec3> {
         let mesh = &conditions.scene.mesh;
@@ -128,23 +105,110 @@ fn beyond_edges(corners: &[DVec3]) -> Vec<Option<u32>> {
     beyond
 }
 
-/// Buffers made when a pass first names them.
-#[derive(Default)]
-pub struct SceneBuffers {
+/// How far the eye may go from the anchor [m], and as a share of the scene's diagonal if that is less.
+const REACH: (f64, f64) = (64.0, 0.25);
+
+/// A scene on a device, kept over frames.
+pub struct SceneOnDevice {
+    scene: Arc<Scene>,
+    geometry: Arc<Geometry>,
+    /// What stored positions are relative to [m].
+    pub anchor: DVec3,
+    pub triangles: Triangles,
+    /// Corners of all triangles [m], scene axes, as they are drawn.
+    pub casters: Vec<DVec3>,
+    planes: OnceLock<Vec<Plane>>,
+    /// Buffers made when a pass first names them.
     made: BTreeMap<&'static str, Buffer>,
+    caster_corners: Option<Texture>,
+    /// Shadow maps of beams.
+    pub slots: Slots,
 }
 
-impl SceneBuffers {
+impl SceneOnDevice {
+    pub fn new(conditions: &Conditions) -> Self {
+        let triangles = Triangles::new(conditions);
+        SceneOnDevice {
+            scene: conditions.scene.clone(),
+            geometry: conditions.geometry.clone(),
+            anchor: conditions.view.camera.eye,
+            casters: triangles.corners(conditions),
+            triangles,
+            planes: OnceLock::new(),
+            made: BTreeMap::new(),
+            caster_corners: None,
+            slots: Slots::default(),
+        }
+    }
+
+    /// Whether it is the scene of these conditions.
+    pub fn is_of(&self, conditions: &Conditions) -> bool {
+        Arc::ptr_eq(&self.scene, &conditions.scene)
+            && Arc::ptr_eq(&self.geometry, &conditions.geometry)
+    }
+
+    /// Takes a new anchor if the eye has gone too far from the present one.
+    pub fn follow(&mut self, conditions: &Conditions) {
+        let eye = conditions.view.camera.eye;
+        let reach = REACH.0.min(REACH.1 * conditions.geometry.extent());
+        if eye.distance(self.anchor) <= reach {
+            return;
+        }
+        self.anchor = eye;
+        self.made.remove(CORNERS_NAME);
+        self.caster_corners = None;
+        self.slots = Slots::default();
+    }
+
+    /// The triangles, the planes in which they lie if these are wanted, and the shadow maps.
+    pub fn parts(&mut self, planes: bool) -> (&Triangles, &[Plane], &mut Slots) {
+        let casters = &self.casters;
+        let make = || {
+            let corners = casters.chunks_exact(3);
+            let plane = |p: &[DVec3]| Plane {
+                point: p[0],
+                normal: (p[1] - p[0]).cross(p[2] - p[0]),
+            };
+            corners.map(plane).collect()
+        };
+        let planes: &[Plane] = match planes {
+            true => self.planes.get_or_init(make),
+            false => &[],
+        };
+        (&self.triangles, planes, &mut self.slots)
+    }
+
+    /// Corners relative to the anchor [m], three texels a triangle, in rows of [`CORNERS`]; each with the number, from 1, of the
+    /// triangle beyond the edge that begins there, 0 for none.
+    pub fn caster_corners(&mut self, device: &Device) -> Texture {
+        if let Some(texture) = &self.caster_corners {
+            return texture.clone();
+        }
+        let beyond = beyond_edges(&self.casters[..3 * self.triangles.solid as usize]);
+        // Whole numbers up to 2^24 are exact; the others' edges end at nothing.
+        let number = |corner: usize| match beyond.get(corner) {
+            Some(Some(triangle)) if *triangle < 1 << 24 => (triangle + 1) as f32,
+            _ => 0.0,
+        };
+        let texels = self
+            .casters
+            .iter()
+            .enumerate()
+            .map(|(i, p)| (*p - self.anchor).as_vec3().extend(number(i)));
+        let texture = device.vectors("corners of casters", CORNERS, texels.collect());
+        self.caster_corners = Some(texture.clone());
+        texture
+    }
+
     /// A buffer of the scene.
-    pub fn get(
+    pub fn buffer(
         &mut self,
         device: &Device,
         conditions: &Conditions,
-        triangles: &Triangles,
         resource: &Resource,
     ) -> Result<Option<Buffer>> {
         let name = match resource {
-            Resource::Corners => "the scene's triangles",
+            Resource::Corners => CORNERS_NAME,
             Resource::Attributes => "normals and texture coordinates",
             Resource::MaterialOf => "the triangles' materials",
             Resource::Materials => "the materials",
@@ -154,8 +218,15 @@ impl SceneBuffers {
         if let Some(buffer) = self.made.get(name) {
             return Ok(Some(buffer.clone()));
         }
+        let triangles = &self.triangles;
         let bytes = match resource {
-            Resource::Corners => corners(conditions, triangles),
+            Resource::Corners => {
+                let relative = self
+                    .casters
+                    .iter()
+                    .map(|p| (*p - self.anchor).as_vec3().to_array());
+                bytemuck::cast_slice(&relative.collect::<Vec<_>>()).to_vec()
+            }
             Resource::Attributes => shared::list(&attributes(conditions, triangles)),
             Resource::MaterialOf => {
                 bytemuck::cast_slice(&material_of(conditions, triangles)).to_vec()
@@ -173,15 +244,7 @@ impl SceneBuffers {
     }
 }
 
-fn corners(conditions: &Conditions, triangles: &Triangles) -> Vec<u8> {
-    let eye = conditions.camera.eye;
-    let relative: Vec<[f32; 3]> = triangles
-        .corners(conditions)
-        .iter()
-        .map(|p| (*p - eye).as_vec3().to_array())
-        .collect();
-    bytemuck::cast_slice(&relative).to_vec()
-}
+const CORNERS_NAME: &str = "the scene's triangles";
 
 fn attributes(conditions: &Conditions, triangles: &Triangles) -> Vec<Attributes> {
     let mesh = &conditions.scene.mesh;
@@ -216,9 +279,9 @@ fn materials(conditions: &Conditions, triangles: &Triangles) -> Vec<Material> {
         texels += texture.pixels.len() as u32;
     }
     let wrap = |wrap: Wrap| match wrap {
-        Wrap::Repeat => 0,
-        Wrap::Mirror => 1,
-        Wrap::Clamp => 2,
+        Wrap::Repeat => shared::REPEAT,
+        Wrap::Mirror => shared::MIRROR,
+        Wrap::Clamp => shared::CLAMP,
     };
     let mut materials: Vec<Material> = scene
         .materials
@@ -256,7 +319,7 @@ fn texels(conditions: &Conditions) -> Vec<u32> {
 
 /// The media, relative to the eye.
 pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
-    let eye = conditions.camera.eye;
+    let eye = conditions.view.camera.eye;
     let air = &conditions.air;
     air.media
         .iter()
@@ -269,11 +332,12 @@ pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
             put_phase(&mut shared, &medium.phase);
             match medium.shape {
                 Shape::Box { min, max } => {
+                    shared.shape = shared::BOX;
                     shared.least = (min - eye).as_vec3();
                     shared.greatest = (max - eye).as_vec3();
                 }
                 Shape::Haze { top } => {
-                    shared.shape = 1;
+                    shared.shape = shared::HAZE;
                     shared.least.y = (air.ground - eye.y) as f32;
                     shared.greatest.y = (top - eye.y) as f32;
                 }
@@ -282,7 +346,7 @@ pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
                     scale_height,
                     far,
                 } => {
-                    shared.shape = 2;
+                    shared.shape = shared::HEIGHT;
                     shared.start = ((eye.y - base) / scale_height) as f32;
                     shared.scale_height = scale_height as f32;
                     shared.far = far as f32;
@@ -293,7 +357,7 @@ pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
                     far,
                     overhead,
                 } => {
-                    shared.shape = 2;
+                    shared.shape = shared::HEIGHT;
                     shared.start = ((eye.y - base) / scale_height) as f32;
                     shared.scale_height = scale_height as f32;
                     shared.far = far as f32;
@@ -309,20 +373,20 @@ pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
 /// A phase function in numbers: which formula, and its parameters. A droplet's fit is made here.
 fn put_phase(shared: &mut shared::Medium, phase: &Phase) {
     let (formula, fog) = match *phase {
-        Phase::Isotropic => (0, Fog::default()),
-        Phase::Rayleigh => (1, Fog::default()),
+        Phase::Isotropic => (shared::ISOTROPIC, Fog::default()),
+        Phase::Rayleigh => (shared::RAYLEIGH, Fog::default()),
         Phase::HenyeyGreenstein { g } => {
             let fog = Fog {
                 g,
                 ..Fog::default()
             };
-            (2, fog)
+            (shared::HENYEY_GREENSTEIN, fog)
         }
-        Phase::CornetteShanks { g } => (3, Fog::of_draine(g, 1.0)),
-        Phase::NishitaHazy => (4, Fog::default()),
-        Phase::NishitaMurky => (5, Fog::default()),
-        Phase::Draine { g, a } => (3, Fog::of_draine(g, a)),
-        Phase::Fog { droplet } => (3, Fog::of_droplet(droplet)),
+        Phase::CornetteShanks { g } => (shared::DRAINE, Fog::of_draine(g, 1.0)),
+        Phase::NishitaHazy => (shared::NISHITA_HAZY, Fog::default()),
+        Phase::NishitaMurky => (shared::NISHITA_MURKY, Fog::default()),
+        Phase::Draine { g, a } => (shared::DRAINE, Fog::of_draine(g, a)),
+        Phase::Fog { droplet } => (shared::DRAINE, Fog::of_droplet(droplet)),
     };
     shared.phase = formula;
     shared.g = fog.g as f32;

@@ -1,6 +1,7 @@
 //! A device and its queue: opened with everything that the adapter has, errors turned into ours, bytes counted.
 
 use super::adapters::{self, Adapter};
+use crate::backend::Traffic;
 use crate::error::{Error, Result};
 use glam::Vec4;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,17 +18,6 @@ pub enum Choice {
     Hardware,
     /// The best that there is, of software too.
     Any,
-}
-
-/// Bytes that were allocated and moved.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Traffic {
-    /// In buffers and textures on the device.
-    pub allocated: u64,
-    /// To the device.
-    pub uploaded: u64,
-    /// From the device.
-    pub downloaded: u64,
 }
 
 /// An open device.
@@ -70,6 +60,22 @@ impl Device {
                 "use `--backend reference`, or update the graphics driver",
             )
         })?;
+        Ok(Self::over(adapter, limits, device, queue))
+    }
+
+    /// Over a device that somebody else has opened, a viewer say, on an adapter of wgpu; errors that nobody captures on it come out
+    /// of the calls here.
+    pub fn from_wgpu(handle: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let limits = device.limits();
+        Self::over(adapters::describe(handle), limits, device, queue)
+    }
+
+    fn over(
+        adapter: Adapter,
+        limits: wgpu::Limits,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    ) -> Self {
         let failure = Arc::new(Mutex::new(None));
         let first = failure.clone();
         device.on_uncaptured_error(Arc::new(move |error| keep(&first, ours(error))));
@@ -79,14 +85,14 @@ impl Device {
                 keep(&lost, device_lost(&text));
             }
         });
-        Ok(Device {
+        Device {
             adapter,
             device,
             queue,
             limits,
             failure,
             traffic: Mutex::default(),
-        })
+        }
     }
 
     /// The first thing that went wrong on the device, if anything has.

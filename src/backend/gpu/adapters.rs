@@ -140,7 +140,7 @@ fn handles(flags: InstanceFlags) -> Vec<(Handle, Adapter)> {
         .collect()
 }
 
-fn describe(handle: &Handle) -> Adapter {
+pub(super) fn describe(handle: &Handle) -> Adapter {
     let info = handle.get_info();
     let limits = handle.limits();
     let features = handle.features();

@@ -1,17 +1,26 @@
 //! What a tile's shaders know of the camera and the ground.
 
-use super::*;
+use super::job::Job;
+use super::shared;
+use crate::colour::Space;
+use crate::scene::Projection;
+use glam::{DVec2, DVec3, UVec2, Vec4};
 
-impl Gpu<'_> {
+impl Job<'_> {
     /// What shaders know of a tile.
-    pub(super) fn frame_of(&self, corner: UVec2, extent: UVec2, offset: DVec2) -> shared::Frame {
+    pub(super) fn tile_view_of(
+        &self,
+        corner: UVec2,
+        extent: UVec2,
+        offset: DVec2,
+    ) -> shared::TileView {
         let conditions = self.plan.conditions;
-        let camera = &conditions.camera;
+        let camera = &conditions.view.camera;
         let [right, up, forward] = match camera.projection {
             Projection::Panorama => camera.level_axes(),
             _ => camera.axes(),
         };
-        let size = UVec2::from(conditions.size).as_dvec2();
+        let size = UVec2::from(conditions.view.size).as_dvec2();
         let tile = self.tile.as_dvec2();
         // A position P of the picture is at P - shifted in the tile, whose pixels have their centres at halves.
         let shifted = corner.as_dvec2() + offset - 0.5;
@@ -24,7 +33,7 @@ impl Gpu<'_> {
         let place = 2.0 * middle / tile;
         let origin = |at: DVec2| {
             let at = corner.as_dvec2() + offset + at;
-            camera.ray(at, conditions.size).origin - camera.eye
+            camera.ray(at, conditions.view.size).origin - camera.eye
         };
         let extent_m = conditions.geometry.extent();
         let (low, high) = conditions.geometry.bounds();
@@ -43,15 +52,15 @@ impl Gpu<'_> {
             let height = camera.eye.y - ground.height;
             ground.albedo.as_vec3().extend(height as f32)
         });
-        shared::Frame {
-            tile: corner,
+        shared::TileView {
+            corner,
             extent,
-            tile_size: tile.as_vec2(),
+            whole: tile.as_vec2(),
             right: right.as_vec3(),
             projection: match camera.projection {
-                Projection::Perspective { .. } => 0,
-                Projection::Orthographic { .. } => 1,
-                Projection::Panorama => 2,
+                Projection::Perspective { .. } => shared::PERSPECTIVE,
+                Projection::Orthographic { .. } => shared::ORTHOGRAPHIC,
+                Projection::Panorama => shared::PANORAMA,
             },
             up: up.as_vec3(),
             media: conditions.air.media.len() as u32,
@@ -71,6 +80,7 @@ impl Gpu<'_> {
             origin: origin(DVec2::ZERO).as_vec3(),
             origin_right: (origin(DVec2::X) - origin(DVec2::ZERO)).as_vec3(),
             origin_down: (origin(DVec2::Y) - origin(DVec2::ZERO)).as_vec3(),
+            eye: (camera.eye - self.anchor).as_vec3(),
             working_from_rec709: Space::Rec709.to_working().as_mat3(),
         }
     }

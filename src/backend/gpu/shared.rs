@@ -1,40 +1,69 @@
-//! What Rust and the shaders share: the structs, declared once here and compared with the shaders' by a test, and the
-//! shaders' common text.
+//! What Rust and the shaders share: constants, which stand here alone and are printed for the shaders, and structs, declared once
+//! here and compared with the shaders' by a test.
 
+use crate::frame::NO_HIT;
+use crate::medium::FARTHEST;
 use encase::{ShaderType, internal::WriteInto};
 use glam::{Mat3, UVec2, Vec2, Vec3, Vec4};
 
-/// What is read before every shader, whether it counts its reads or not.
-const COMMON: &str = concat!(
-    include_str!("../../shaders/common/frame.wgsl"),
-    include_str!("../../shaders/common/light.wgsl"),
-    include_str!("../../shaders/common/media.wgsl"),
-    include_str!("../../shaders/common/runs.wgsl"),
-    include_str!("../../shaders/common/rows.wgsl"),
-);
+macro_rules! constants {
+    ($($(#[$doc:meta])* $name:ident: u32 = $value:expr;)*) => {
+        $($(#[$doc])* pub const $name: u32 = $value;)*
 
-/// Shaders call these everywhere; where nothing is counted there is no buffer for it.
-const NO_COUNTS: &str =
-    "fn count_reads(n: u32) {}\nfn count_nodes(n: u32) {}\nfn report_counts() {}\n";
-
-/// What is read before every shader.
-pub fn common(counting: bool) -> String {
-    let counts = match counting {
-        true => include_str!("../../shaders/common/counts.wgsl"),
-        false => NO_COUNTS,
+        /// The constants that count, as text of a shader.
+        fn counts() -> String {
+            [$((stringify!($name), $name)),*]
+                .map(|(name, value)| format!("const {name} = {value}u;\n"))
+                .concat()
+        }
     };
-    format!("{COMMON}{counts}")
 }
 
-/// The most partitions that a light has.
-pub const PARTITIONS: usize = 16;
+constants! {
+    /// Projections of [`TileView`].
+    PERSPECTIVE: u32 = 0;
+    ORTHOGRAPHIC: u32 = 1;
+    PANORAMA: u32 = 2;
+    /// How a texture goes on outside of itself, of [`Material`].
+    REPEAT: u32 = 0;
+    MIRROR: u32 = 1;
+    CLAMP: u32 = 2;
+    /// Shapes of [`Medium`].
+    BOX: u32 = 0;
+    HAZE: u32 = 1;
+    HEIGHT: u32 = 2;
+    /// Phase functions of [`Medium`]: Draine's holds Cornette and Shanks's and the mixture for fog.
+    ISOTROPIC: u32 = 0;
+    RAYLEIGH: u32 = 1;
+    HENYEY_GREENSTEIN: u32 = 2;
+    DRAINE: u32 = 3;
+    NISHITA_HAZY: u32 = 4;
+    NISHITA_MURKY: u32 = 5;
+    /// Kinds of [`Beam`].
+    PARALLEL: u32 = 0;
+    LOCAL: u32 = 1;
+    /// The most partitions that a beam has.
+    PARTITIONS: u32 = 16;
+    /// Added to the number of a caster that has holes.
+    CUT_OUT: u32 = 0x8000_0000;
+    /// Numbers of a [`Surface`] that is none, and of the ground; those of triangles follow.
+    NOTHING: u32 = 0;
+    GROUND: u32 = 1;
+}
 
-/// `Frame` of shaders/common/frame.wgsl.
+/// The constants, as text of a shader.
+pub fn constants() -> String {
+    let lengths = [("NO_HIT", f64::from(NO_HIT)), ("FARTHEST", FARTHEST)];
+    let lengths = lengths.map(|(name, value)| format!("const {name} = {value:e};\n"));
+    counts() + &lengths.concat()
+}
+
+/// `TileView` of shaders/common/tile.wgsl.
 #[derive(Debug, Clone, Copy, Default, ShaderType)]
-pub struct Frame {
-    pub tile: UVec2,
+pub struct TileView {
+    pub corner: UVec2,
     pub extent: UVec2,
-    pub tile_size: Vec2,
+    pub whole: Vec2,
     pub right: Vec3,
     pub projection: u32,
     pub up: Vec3,
@@ -47,10 +76,11 @@ pub struct Frame {
     pub origin: Vec3,
     pub origin_right: Vec3,
     pub origin_down: Vec3,
+    pub eye: Vec3,
     pub working_from_rec709: Mat3,
 }
 
-/// `Attributes` of shaders/common/frame.wgsl.
+/// `Attributes` of shaders/common/tile.wgsl.
 #[derive(Debug, Clone, Copy, Default, ShaderType)]
 pub struct Attributes {
     pub normal: Vec3,
@@ -59,7 +89,7 @@ pub struct Attributes {
     pub v: f32,
 }
 
-/// `Material` of shaders/common/frame.wgsl.
+/// `Material` of shaders/common/tile.wgsl.
 #[derive(Debug, Clone, Copy, Default, ShaderType)]
 pub struct Material {
     pub color: Vec3,
@@ -69,7 +99,7 @@ pub struct Material {
     pub wrap: UVec2,
 }
 
-/// `Surface` of shaders/common/frame.wgsl.
+/// `Surface` of shaders/common/tile.wgsl.
 #[derive(Debug, Clone, Copy, Default, ShaderType)]
 pub struct Surface {
     pub normal: Vec3,
@@ -102,7 +132,7 @@ pub struct Medium {
     pub weight: f32,
 }
 
-/// `PartitionMap` of shaders/common/light.wgsl.
+/// `PartitionMap` of shaders/common/beam.wgsl.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ShaderType)]
 pub struct PartitionMap {
     pub least: Vec2,
@@ -111,19 +141,23 @@ pub struct PartitionMap {
     pub size: Vec2,
 }
 
-/// `Light` of shaders/common/light.wgsl.
-#[derive(Debug, Clone, Copy, Default, ShaderType)]
-pub struct Light {
+/// `Beam` of shaders/common/beam.wgsl.
+#[derive(Debug, Clone, Copy, Default, PartialEq, ShaderType)]
+pub struct Beam {
     pub toward: Vec3,
     pub partitions: u32,
-    pub illuminance: Vec3,
+    pub strength: Vec3,
     pub side: f32,
     pub across: Vec4,
     pub along: Vec4,
     pub height: Vec4,
     pub casters: Vec4,
     pub heights: Vec4,
-    pub maps: [PartitionMap; PARTITIONS],
+    pub maps: [PartitionMap; PARTITIONS as usize],
+    pub position: Vec3,
+    pub kind: u32,
+    pub extent: f32,
+    pub near: f32,
 }
 
 /// The bytes of a uniform.
@@ -184,13 +218,13 @@ mod tests {
 
     #[test]
     fn structs_lie_alike_on_both_sides() {
-        let common = common(false);
+        let common = super::super::source::common(false);
         assert!(same!(
             &common,
-            Frame {
-                tile,
+            TileView {
+                corner,
                 extent,
-                tile_size,
+                whole,
                 right,
                 projection,
                 up,
@@ -203,6 +237,7 @@ mod tests {
                 origin,
                 origin_right,
                 origin_down,
+                eye,
                 working_from_rec709
             }
         ));
@@ -258,27 +293,31 @@ mod tests {
         assert!(same!(&common, PartitionMap { least, texel, size }));
         assert!(same!(
             &common,
-            Light {
+            Beam {
                 toward,
                 partitions,
-                illuminance,
+                strength,
                 side,
                 across,
                 along,
                 height,
                 casters,
                 heights,
-                maps
+                maps,
+                position,
+                kind,
+                extent,
+                near
             }
         ));
         let moved = common.replace("depth: f32,\n", "depth: mat4x4f,\n");
         assert_ne!(moved, common);
         assert!(!same!(
             &moved,
-            Frame {
-                tile,
+            TileView {
+                corner,
                 extent,
-                tile_size,
+                whole,
                 right,
                 projection,
                 up,
@@ -291,6 +330,7 @@ mod tests {
                 origin,
                 origin_right,
                 origin_down,
+                eye,
                 working_from_rec709
             }
         ));

@@ -1,6 +1,12 @@
 //! One submit: a dispatch, or all triangles drawn once.
 
-use super::*;
+use super::device::Device;
+use super::pipeline::Raster;
+use super::scene::Triangles;
+use super::timer::Timer;
+use crate::error::Result;
+use glam::UVec2;
+use wgpu::*;
 
 pub(super) fn texture(
     device: &Device,
@@ -122,81 +128,5 @@ impl Draw<'_> {
         device.queue.submit([encoder.finish()]);
         timer.submitted(device)?;
         device.check()
-    }
-}
-
-impl SunMaps {
-    /// A light with so many maps of this side.
-    pub(super) fn slot(
-        &self,
-        device: &Device,
-        pipelines: &Pipelines,
-        side: u32,
-        count: u32,
-    ) -> Result<Slot> {
-        let light = device.buffer(
-            "a light",
-            shared::uniform(&shared::Light::default()).len() as u64,
-            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-        )?;
-        let layers = |label, format| {
-            texture(
-                device,
-                label,
-                UVec2::splat(side),
-                count,
-                format,
-                TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
-            )
-        };
-        let depths = layers("shadow maps", TextureFormat::Depth32Float);
-        let casters = layers("casters in shadow maps", TextureFormat::R32Uint);
-        let layer = |maps: &Texture, layer| {
-            maps.create_view(&TextureViewDescriptor {
-                dimension: Some(TextureViewDimension::D2),
-                base_array_layer: layer,
-                array_layer_count: Some(1),
-                ..Default::default()
-            })
-        };
-        let views = (0..count)
-            .map(|k| (layer(&depths, k), layer(&casters, k)))
-            .collect();
-        let all = |maps: &Texture| {
-            maps.create_view(&TextureViewDescriptor {
-                dimension: Some(TextureViewDimension::D2Array),
-                ..Default::default()
-            })
-        };
-        let all = [
-            all(&depths),
-            all(&casters),
-            self.corners.create_view(&Default::default()),
-        ];
-        let light_entry = BindGroupEntry {
-            binding: 0,
-            resource: light.as_entire_binding(),
-        };
-        let group = |layout, entries: &[BindGroupEntry]| {
-            device.device.create_bind_group(&BindGroupDescriptor {
-                label: Some("a light"),
-                layout,
-                entries,
-            })
-        };
-        let mut ask = vec![light_entry.clone()];
-        ask.extend(all.iter().zip(1..).map(|(view, binding)| BindGroupEntry {
-            binding,
-            resource: BindingResource::TextureView(view),
-        }));
-        Ok(Slot {
-            toward: DVec3::ZERO,
-            filled: false,
-            side,
-            draw: group(&pipelines.light, &[light_entry]),
-            ask: group(&pipelines.lit, &ask),
-            light,
-            views,
-        })
     }
 }

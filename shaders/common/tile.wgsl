@@ -1,15 +1,15 @@
 // What every shader sees: the tile, the eye, the rays and the air. Positions are relative to the eye, in metres: they are
 // made from f64 on the CPU.
 
-struct Frame {
+struct TileView {
     // First pixel of the tile, and its size.
-    tile: vec2u,
+    corner: vec2u,
     extent: vec2u,
     // Size of a whole tile, which `project` fills [pixels].
-    tile_size: vec2f,
+    whole: vec2f,
     // Axes of the camera, level ones of a panorama.
     right: vec3f,
-    // 0 perspective, 1 orthographic, 2 panorama.
+    // PERSPECTIVE, ORTHOGRAPHIC or PANORAMA.
     projection: u32,
     up: vec3f,
     media: u32,
@@ -27,6 +27,8 @@ struct Frame {
     origin: vec3f,
     origin_right: vec3f,
     origin_down: vec3f,
+    // The eye relative to the scene's anchor [m].
+    eye: vec3f,
     // From linear Rec. 709 to the working space, column by column.
     working_from_rec709: mat3x3f,
 }
@@ -43,7 +45,7 @@ struct Material {
     color: vec3f,
     // A texel is solid from this alpha on, in 0 to 255; below 0: no cut-out.
     least_alpha: f32,
-    // First texel, size, and how it goes on outside (0 repeat, 1 mirror, 2 clamp); a size of 0: no texture.
+    // First texel, size, and how it goes on outside (REPEAT, MIRROR, CLAMP); a size of 0: no texture.
     texel: u32,
     size: vec2u,
     wrap: vec2u,
@@ -58,20 +60,17 @@ struct Surface {
     albedo: vec3f,
 }
 
-const NO_HIT = 1e10;
-const FARTHEST = 1e9;
-
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> tile: TileView;
 // Unit direction of each pixel's ray.
 @group(0) @binding(1) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(2) var<storage, read> media: array<Medium>;
 
 fn inside_tile(id: vec3u) -> bool {
-    return all(id.xy < frame.extent);
+    return all(id.xy < tile.extent);
 }
 
 fn pixel_index(id: vec3u) -> u32 {
-    return id.y * frame.extent.x + id.x;
+    return id.y * tile.extent.x + id.x;
 }
 
 fn ray_direction(id: vec3u) -> vec3f {
@@ -79,10 +78,15 @@ fn ray_direction(id: vec3u) -> vec3f {
 }
 
 fn ray_origin(id: vec3u) -> vec3f {
-    if frame.projection != 1u {
+    if tile.projection != ORTHOGRAPHIC {
         return vec3f(0.0);
     }
-    return frame.origin + f32(id.x) * frame.origin_right + f32(id.y) * frame.origin_down;
+    return tile.origin + f32(id.x) * tile.origin_right + f32(id.y) * tile.origin_down;
+}
+
+// A corner of the scene, which is stored relative to the anchor, relative to the eye.
+fn eye_relative(corner: vec3f) -> vec3f {
+    return corner - tile.eye;
 }
 
 fn uv_of(attributes: Attributes) -> vec2f {
@@ -92,9 +96,9 @@ fn uv_of(attributes: Attributes) -> vec2f {
 fn wrapped(position: f32, size: u32, wrap: u32) -> u32 {
     let n = f32(size);
     var p = floor(position * n);
-    if wrap == 0u {
+    if wrap == REPEAT {
         p -= n * floor(p / n);
-    } else if wrap == 1u {
+    } else if wrap == MIRROR {
         p -= 2.0 * n * floor(p / (2.0 * n));
         p = select(2.0 * n - 1.0 - p, p, p < n);
     }

@@ -4,24 +4,14 @@
 //! layer holds what reaches the eye, so the picture is the plain sum of the layers. Rows run from the top, pixels from
 //! the left; pixel (x, y) stands at `y * width + x` of every list.
 
+mod field;
+
+pub use field::{Field, Part};
+
 use crate::error::{Error, Result};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::ser::{Serialize, SerializeMap, Serializer};
-
-/// The names of all layers, in the order in which they are listed.
-///
-/// `sun`, `sky`, `lights`: light reflected by surfaces. `background`: sky and disc behind everything.
-/// `inscatter_*`: light that the air sends to the eye.
-pub const LAYERS: [&str; 7] = [
-    "sun",
-    "sky",
-    "lights",
-    "background",
-    "inscatter_sun",
-    "inscatter_sky",
-    "inscatter_lights",
-];
 
 /// The depth of a ray that hits nothing [m].
 pub const NO_HIT: f32 = 1e10;
@@ -53,7 +43,7 @@ pub struct Frame {
 /// One layer: what reaches the eye by one way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
-    /// One of [`LAYERS`].
+    /// That of a [`Field`] which is a layer.
     pub name: &'static str,
     /// Photometric colour of every pixel, working space [cd/m2].
     pub rgb: Vec<Vec3>,
@@ -152,7 +142,7 @@ impl Frame {
             )));
         }
         for (index, layer) in self.layers.iter().enumerate() {
-            if !LAYERS.contains(&layer.name) {
+            if !Field::named(layer.name).is_some_and(Field::is_layer) {
                 return Err(defect(format!("`{}` is not a layer", layer.name)));
             }
             if self.layers[..index].iter().any(|l| l.name == layer.name) {

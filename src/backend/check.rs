@@ -1,0 +1,151 @@
+//! How far a picture is from the reference: measured on some of its pixels.
+//!
+//! Pixels are drawn at random, one from each cell of an even grid (stratified), always the same ones for a size; the measures are
+//! those of [`crate::accuracy`].
+
+use super::reference::{Reference, Values, picture};
+use crate::accuracy::{LayerError, Random, error};
+use crate::colour::luminance;
+use crate::error::{Error, Result};
+use crate::frame::{Field, Frame};
+use crate::plan::Plan;
+use glam::{DVec3, UVec2};
+use serde::Serialize;
+
+/// The measured error of a picture.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// Pixels that were compared.
+    pub pixels: usize,
+    /// The layers that the reference makes, in their order, and the picture.
+    pub layers: Vec<LayerError>,
+}
+
+impl Check {
+    /// The error of the whole picture.
+    pub fn picture(&self) -> &LayerError {
+        let last = self.layers.last();
+        last.expect("the picture is always in the list")
+    }
+}
+
+/// Compares about `count` pixels of a picture with the reference under `yardstick`, a plan for the same conditions.
+///
+/// # Errors
+/// [`Error::Input`] for a count of zero, or a picture of another size.
+pub fn check(frame: &Frame, yardstick: &Plan, count: usize) -> Result<Check> {
+    let size = yardstick.conditions.view.size;
+    if [frame.width, frame.height] != size {
+        return Err(Error::input(
+            "the picture to check",
+            format!(
+                "it has {} x {} pixels, the plan {} x {}",
+                frame.width, frame.height, size[0], size[1]
+            ),
+            "render and check with the same --size",
+        ));
+    }
+    if count == 0 {
+        return Err(Error::input(
+            "--check 0",
+            "no pixel would be compared",
+            "give a number of pixels, say 1000",
+        ));
+    }
+    let pixels = stratified(size, count);
+    let index = |p: &UVec2| (p.y * size[0] + p.x) as usize;
+    let made = Field::ALL.map(|field| frame.layer(field.name()));
+    let ours: Vec<Values> = pixels
+        .iter()
+        .map(|p| {
+            made.map(|layer| layer.map_or(DVec3::ZERO, |layer| layer.rgb[index(p)].as_dvec3()))
+        })
+        .collect();
+    Ok(judge(&ours, yardstick, &pixels))
+}
+
+/// Compares about `count` pixels of what the reference makes of a plan with what it makes of another, without a whole picture.
+///
+/// # Errors
+/// [`Error::Input`] for a count of zero.
+pub fn compare(plan: &Plan, yardstick: &Plan, count: usize) -> Result<Check> {
+    if count == 0 {
+        return Err(Error::input(
+            "the pixels to compare",
+            "there are none",
+            "give a number of pixels, say 1000",
+        ));
+    }
+    let conditions = plan.conditions;
+    let pixels = stratified(conditions.view.size, count);
+    let ours = Reference::new(plan).sampled(&pixels, conditions.view.samples);
+    Ok(judge(&ours, yardstick, &pixels))
+}
+
+/// The error of the layers and of their sum at some pixels.
+fn judge(ours: &[Values], yardstick: &Plan, pixels: &[UVec2]) -> Check {
+    let truth = Reference::new(yardstick).sampled(pixels, yardstick.conditions.view.samples);
+    let written = yardstick.written();
+    let pairs = |of: &dyn Fn(&Values) -> DVec3| -> Vec<[f64; 2]> {
+        let pairs = ours.iter().zip(&truth);
+        pairs
+            .map(|(o, t)| [luminance(of(o)), luminance(of(t))])
+            .collect()
+    };
+    let mut layers: Vec<LayerError> = Field::layers()
+        .filter(|field| written.contains(field))
+        .map(|field| error(field.name(), &pairs(&|values| values[field as usize])))
+        .collect();
+    layers.push(error("picture", &pairs(&picture)));
+    Check {
+        pixels: pixels.len(),
+        layers,
+    }
+}
+
+/// One random pixel of each cell of a grid of about `count` cells; all pixels when there are no more.
+fn stratified([width, height]: [u32; 2], count: usize) -> Vec<UVec2> {
+    let aspect = f64::from(width) / f64::from(height);
+    let columns = (count as f64 * aspect)
+        .sqrt()
+        .round()
+        .clamp(1.0, f64::from(width)) as u32;
+    let rows = (count as f64 / f64::from(columns))
+        .round()
+        .clamp(1.0, f64::from(height)) as u32;
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut place = |cell: u32, cells: u32, side: u32| {
+        let edge = |i: u32| (u64::from(i) * u64::from(side) / u64::from(cells)) as u32;
+        let from = edge(cell);
+        from + random.below(u64::from(edge(cell + 1) - from)) as u32
+    };
+    let mut pixels = Vec::with_capacity((columns * rows) as usize);
+    for row in 0..rows {
+        for column in 0..columns {
+            pixels.push(UVec2::new(
+                place(column, columns, width),
+                place(row, rows, height),
+            ));
+        }
+    }
+    pixels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_gives_one_pixel() {
+        let pixels = stratified([64, 32], 200);
+        assert_eq!(pixels.len(), 200);
+        for (i, pixel) in pixels.iter().enumerate() {
+            let (column, row) = (i as u32 % 20, i as u32 / 20);
+            assert!(pixel.x >= column * 64 / 20 && pixel.x < (column + 1) * 64 / 20);
+            assert!(pixel.y >= row * 32 / 10 && pixel.y < (row + 1) * 32 / 10);
+        }
+        let all = stratified([5, 3], 1_000_000);
+        assert_eq!(all.len(), 15);
+        assert_eq!(stratified([1, 1], 10), [UVec2::ZERO]);
+    }
+}

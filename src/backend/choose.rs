@@ -1,0 +1,240 @@
+//! The quality and the method that a picture needs to come below an error, or to stay within a time: measured on this machine.
+
+use super::check::{check, compare};
+use super::reference::{Reference, predict};
+use super::{Backend, Limits, Rendered};
+use crate::conditions::Conditions;
+use crate::effect::Method;
+use crate::error::{Error, Result};
+use crate::plan::{Overrules, Plan, Quality};
+use std::time::Duration;
+
+/// Pixels at which candidates are compared with the reference.
+const PIXELS: usize = 200;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// A relative RMSE of the picture's luminance of at most this [1].
+    MaxError(f64),
+    /// A time for one ray a pixel of at most this [ms].
+    Within(f64),
+}
+
+/// What was chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chosen {
+    /// What was asked for, with the quality and the method that were chosen.
+    pub overrules: Overrules,
+    /// The measured reason, in words.
+    pub why: String,
+}
+
+/// A quality and a method, and what they were found to be worth.
+#[derive(Clone, Copy)]
+struct Candidate {
+    quality: Quality,
+    method: Option<Method>,
+    error: f64,
+    /// Of the whole picture, and of what integrates sunlight in the air [ms].
+    picture: f64,
+    air: f64,
+}
+
+impl Candidate {
+    fn words(&self) -> String {
+        let method = self
+            .method
+            .map_or(String::new(), |m| format!(", {}", m.name()));
+        format!("{}{method}", self.quality.name())
+    }
+}
+
+/// What candidates are measured with.
+struct Trials<'t> {
+    backend: &'t mut Backend,
+    conditions: &'t Conditions,
+    overrules: &'t Overrules,
+    limits: &'t Limits<'t>,
+    /// The finest quality, without knobs of the user's.
+    yardstick: Plan<'t>,
+}
+
+/// Chooses the quality, and the method where `overrules` leave it open, from the coarsest quality on. What `overrules` say of the
+/// quality does not count.
+///
+/// # Errors
+/// [`Error::Failed`] when even the finest quality is further off than asked for, or even the coarsest takes longer; those of
+/// [`Plan::new`] and [`Backend::render`].
+pub fn choose(
+    backend: &mut Backend,
+    conditions: &Conditions,
+    overrules: &Overrules,
+    goal: Goal,
+    limits: &Limits,
+) -> Result<Chosen> {
+    let finest = Overrules {
+        quality: Quality::Reference,
+        set: Vec::new(),
+        ..overrules.clone()
+    };
+    let mut trials = Trials {
+        yardstick: Plan::new(conditions, &finest)?,
+        backend,
+        conditions,
+        overrules,
+        limits,
+    };
+    let (chosen, why) = match goal {
+        Goal::MaxError(most) => trials.by_error(most)?,
+        Goal::Within(limit) => trials.by_time(limit)?,
+    };
+    Ok(Chosen {
+        overrules: Overrules {
+            quality: chosen.quality,
+            method: chosen.method,
+            ..overrules.clone()
+        },
+        why,
+    })
+}
+
+impl Trials<'_> {
+    /// The methods that are tried: the one that is asked for, or on a GPU those that may be the cheapest.
+    fn methods(&self) -> Result<Vec<Option<Method>>> {
+        let plan = Plan::new(self.conditions, self.overrules)?;
+        let has_shafts = plan.running().any(|step| step.effect.method.is_some());
+        Ok(match (self.overrules.method, &*self.backend) {
+            (None, Backend::Gpu(_)) if has_shafts => {
+                [Method::Rectified, Method::Epipolar, Method::Prefiltered]
+                    .map(Some)
+                    .to_vec()
+            }
+            (given, _) => vec![given],
+        })
+    }
+
+    /// Measures a candidate: its time, and its error if the time is within `limit` [ms].
+    fn measure(
+        &mut self,
+        quality: Quality,
+        method: Option<Method>,
+        limit: f64,
+    ) -> Result<Candidate> {
+        let overrules = Overrules {
+            quality,
+            method,
+            ..self.overrules.clone()
+        };
+        let plan = Plan::new(self.conditions, &overrules)?;
+        let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
+        // What candidates before it have left must not make one look quick.
+        self.backend.forget();
+        let (rendered, picture) = match &mut *self.backend {
+            Backend::Reference(_) => {
+                // Asking a part of the pixels is enough, and only needed where time counts.
+                let time = match limit.is_finite() {
+                    true => predict(&Reference::new(&plan))
+                        .iter()
+                        .filter_map(|step| step.time)
+                        .sum(),
+                    false => Duration::ZERO,
+                };
+                (None, milliseconds(time))
+            }
+            gpu => {
+                let rendered = gpu.render(&plan, self.limits, &|_| {})?;
+                let time = milliseconds(rendered.elapsed);
+                (Some(rendered), time)
+            }
+        };
+        let error = match &rendered {
+            _ if picture > limit => f64::INFINITY,
+            Some(rendered) => {
+                let found = check(&rendered.frame, &self.yardstick, PIXELS)?;
+                found.picture().relative_rmse
+            }
+            None => {
+                compare(&plan, &self.yardstick, PIXELS)?
+                    .picture()
+                    .relative_rmse
+            }
+        };
+        let of_air = |rendered: &Rendered| -> Duration {
+            let steps = rendered.steps.iter();
+            let ours = steps.filter(|step| step.effect.method.is_some());
+            ours.filter_map(|step| step.time).sum()
+        };
+        Ok(Candidate {
+            quality,
+            method,
+            error,
+            picture,
+            air: milliseconds(rendered.as_ref().map_or(Duration::ZERO, of_air)),
+        })
+    }
+
+    /// The coarsest quality that is exact enough, by its cheapest method.
+    fn by_error(&mut self, most: f64) -> Result<(Candidate, String)> {
+        let methods = self.methods()?;
+        let mut least = f64::INFINITY;
+        for quality in Quality::ALL {
+            let mut cheapest: Option<Candidate> = None;
+            for method in &methods {
+                let tried = self.measure(quality, *method, f64::INFINITY)?;
+                least = least.min(tried.error);
+                if tried.error <= most && cheapest.is_none_or(|best| tried.air < best.air) {
+                    cheapest = Some(tried);
+                }
+            }
+            if let Some(chosen) = cheapest {
+                let why = format!(
+                    "{}: relative RMSE {:.1e} at {PIXELS} pixels, {most:.1e} asked for",
+                    chosen.words(),
+                    chosen.error
+                );
+                return Ok((chosen, why));
+            }
+        }
+        Err(Error::failed(
+            format!("no quality comes below --max-error {most}: the best has {least:.1e}"),
+            "allow more, or set knobs with --set (`tyndall plan` lists them)",
+        ))
+    }
+
+    /// The most exact of what is quick enough.
+    fn by_time(&mut self, limit: f64) -> Result<(Candidate, String)> {
+        let methods = self.methods()?;
+        let mut shortest = f64::INFINITY;
+        let mut chosen: Option<Candidate> = None;
+        // From the coarsest on, as long as twice the time is left: a finer one takes about that or more.
+        for quality in Quality::ALL {
+            let mut quickest = f64::INFINITY;
+            for method in &methods {
+                let tried = self.measure(quality, *method, limit)?;
+                quickest = quickest.min(tried.picture);
+                // A finer quality by a coarser method may be no better.
+                if tried.picture <= limit && chosen.is_none_or(|best| tried.error < best.error) {
+                    chosen = Some(tried);
+                }
+            }
+            shortest = shortest.min(quickest);
+            if 2.0 * quickest > limit {
+                break;
+            }
+        }
+        let Some(chosen) = chosen else {
+            return Err(Error::failed(
+                format!("no quality stays within {limit} ms: draft takes about {shortest:.0}"),
+                "allow more time, make the picture smaller, or leave effects out with --without",
+            ));
+        };
+        let why = format!(
+            "{}: about {:.0} ms for one ray a pixel, {limit} allowed; relative RMSE {:.1e} at {PIXELS} pixels",
+            chosen.words(),
+            chosen.picture,
+            chosen.error
+        );
+        Ok((chosen, why))
+    }
+}

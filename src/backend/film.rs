@@ -1,0 +1,136 @@
+//! The picture as it grows: values by field, means over samples, and whether it fits into memory.
+
+use crate::error::{Error, Result};
+use crate::frame::{Field, Frame, Layer, Part};
+use glam::{UVec2, Vec3};
+
+/// A picture in the making.
+pub(super) struct Film {
+    frame: Frame,
+    /// Which of the frame's layers each field is.
+    slots: [Option<usize>; Field::COUNT],
+    shared: bool,
+}
+
+impl Film {
+    /// Memory that a picture with these fields holds [bytes].
+    pub fn bytes([width, height]: [u32; 2], written: &[Field]) -> u64 {
+        let layers = written.iter().filter(|field| field.is_layer()).count();
+        u64::from(width) * u64::from(height) * Frame::bytes_per_pixel(layers) as u64
+    }
+
+    /// A black picture with room for the fields that a plan writes.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when it would hold more than `limit` bytes.
+    pub fn new([width, height]: [u32; 2], written: &[Field], limit: u64) -> Result<Self> {
+        let bytes = Self::bytes([width, height], written);
+        if bytes > limit {
+            return Err(Error::input(
+                format!("--size {width}x{height}"),
+                format!(
+                    "the frame would hold {} MiB, more than the limit of {} MiB",
+                    bytes >> 20,
+                    limit >> 20
+                ),
+                "make the picture smaller, leave effects out with --without, or raise the limit with --max-memory",
+            ));
+        }
+        let mut frame = Frame::new(width, height);
+        let mut slots = [None; Field::COUNT];
+        let pixels = frame.pixels();
+        for field in Field::layers().filter(|field| written.contains(field)) {
+            slots[field as usize] = Some(frame.layers.len());
+            frame.layers.push(Layer {
+                name: field.name(),
+                rgb: vec![Vec3::ZERO; pixels],
+            });
+        }
+        let shared = written.iter().any(|field| field.part() == Part::Share);
+        if shared {
+            frame.transmittance = vec![Vec3::ZERO; pixels];
+        }
+        Ok(Film {
+            frame,
+            slots,
+            shared,
+        })
+    }
+
+    fn index(&self, pixel: UVec2) -> usize {
+        (pixel.y * self.frame.width + pixel.x) as usize
+    }
+
+    fn value(&mut self, field: Field, pixel: UVec2) -> Option<&mut Vec3> {
+        let index = self.index(pixel);
+        match (self.slots[field as usize], field.part()) {
+            (Some(slot), _) => Some(&mut self.frame.layers[slot].rgb[index]),
+            (None, Part::Share) if self.shared => Some(&mut self.frame.transmittance[index]),
+            _ => None,
+        }
+    }
+
+    /// Sets the value of a field; one that has no room is left out.
+    pub fn set(&mut self, field: Field, pixel: UVec2, value: Vec3) {
+        if let Some(place) = self.value(field, pixel) {
+            *place = value;
+        }
+    }
+
+    /// Adds a sample's share to the value of a field.
+    pub fn add(&mut self, field: Field, pixel: UVec2, value: Vec3) {
+        if let Some(place) = self.value(field, pixel) {
+            *place += value;
+        }
+    }
+
+    /// Sets distance [m] and normal of what a pixel shows.
+    pub fn set_surface(&mut self, pixel: UVec2, distance: f32, normal: Vec3) {
+        let index = self.index(pixel);
+        self.frame.depth[index] = distance;
+        self.frame.normal[index] = normal;
+    }
+
+    /// The picture so far.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// The finished picture.
+    pub fn into_frame(self) -> Frame {
+        self.frame
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_find_their_place_and_what_has_none_is_left_out() {
+        let written = [Field::Surface, Field::Sky, Field::Transmittance];
+        let mut film = Film::new([2, 1], &written, 1 << 20).expect("it fits");
+        let pixel = UVec2::new(1, 0);
+        film.add(Field::Sky, pixel, Vec3::splat(1.0));
+        film.add(Field::Sky, pixel, Vec3::splat(2.0));
+        film.set(Field::Transmittance, pixel, Vec3::splat(0.5));
+        film.set(Field::Sun, pixel, Vec3::ONE);
+        film.set_surface(pixel, 3.0, Vec3::Y);
+        let frame = film.into_frame();
+        assert_eq!(frame.layers.len(), 1);
+        assert_eq!(frame.layers[0].rgb, [Vec3::ZERO, Vec3::splat(3.0)]);
+        assert_eq!(frame.transmittance[1], Vec3::splat(0.5));
+        assert_eq!(frame.depth[1], 3.0);
+        frame.check().expect("it can be written");
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let bytes = Film::bytes([100, 100], &[Field::Sun]);
+        assert!(Film::new([100, 100], &[Field::Sun], bytes).is_ok());
+        let Err(error) = Film::new([100, 100], &[Field::Sun], bytes - 1) else {
+            panic!("it does not fit");
+        };
+        assert!(error.is_input() && error.remedy().contains("--max-memory"));
+    }
+}

@@ -1,0 +1,220 @@
+//! Beams on the device: what shaders know of each, and its shadow maps, kept over tiles and frames while there is room.
+
+use super::device::Device;
+use super::draw::{Draw, texture};
+use super::job::Job;
+use super::maps;
+use super::pipeline::{Pipelines, Raster};
+use super::shared;
+use crate::beam::Beam;
+use crate::conditions::Conditions;
+use crate::effect::{Effect, MapSettings};
+use crate::error::Result;
+use glam::{DVec3, UVec2};
+use wgpu::*;
+
+/// Shadow maps of several beams are kept up to this size [bytes].
+const KEPT_MAPS: u64 = 2 << 30;
+
+/// Sides of maps are multiples of this [texels].
+const SIDES: u32 = 256;
+
+/// The maps of one beam.
+struct Slot {
+    /// What they were drawn for.
+    drawn: Option<shared::Beam>,
+    /// Of each map [texels].
+    side: u32,
+    uniform: Buffer,
+    /// Depths and casters of each partition.
+    views: Vec<(TextureView, TextureView)>,
+    draw: BindGroup,
+    ask: BindGroup,
+}
+
+/// The maps of several beams.
+#[derive(Default)]
+pub struct Slots {
+    slots: Vec<Slot>,
+    /// Whether the device had no room for one more.
+    full: bool,
+}
+
+impl Slots {
+    /// Lets all maps be drawn again.
+    pub fn forget(&mut self) {
+        self.slots.iter_mut().for_each(|slot| slot.drawn = None);
+    }
+}
+
+/// How the maps of a plan's beams are drawn.
+pub struct BeamMaps {
+    pub effect: &'static Effect,
+    pub pass: &'static str,
+    pub raster: Raster,
+    pub group: BindGroup,
+    pub settings: MapSettings,
+    /// Corners of casters, as shaders read them.
+    pub corners: Texture,
+    /// The beams of all effects, and what shaders know of each.
+    pub beams: Vec<(Beam, shared::Beam)>,
+    pub runs: u32,
+}
+
+impl BeamMaps {
+    /// The number of a beam, whichever effect asks for it first.
+    pub fn number(&mut self, conditions: &Conditions, casters: &[DVec3], beam: &Beam) -> usize {
+        let known = self.beams.iter().position(|(other, _)| other == beam);
+        known.unwrap_or_else(|| {
+            let fitted = maps::fit(conditions, casters, beam, &self.settings);
+            self.beams.push((*beam, fitted));
+            self.beams.len() - 1
+        })
+    }
+
+    /// A slot with so many maps of this side.
+    fn slot(&self, device: &Device, pipelines: &Pipelines, side: u32, count: u32) -> Result<Slot> {
+        let uniform = device.buffer(
+            "a beam",
+            shared::uniform(&shared::Beam::default()).len() as u64,
+            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        )?;
+        let layers = |label, format| {
+            texture(
+                device,
+                label,
+                UVec2::splat(side),
+                count,
+                format,
+                TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+            )
+        };
+        let depths = layers("shadow maps", TextureFormat::Depth32Float);
+        let casters = layers("casters in shadow maps", TextureFormat::R32Uint);
+        let layer = |maps: &Texture, layer| {
+            maps.create_view(&TextureViewDescriptor {
+                dimension: Some(TextureViewDimension::D2),
+                base_array_layer: layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            })
+        };
+        let views = (0..count)
+            .map(|k| (layer(&depths, k), layer(&casters, k)))
+            .collect();
+        let all = |maps: &Texture| {
+            maps.create_view(&TextureViewDescriptor {
+                dimension: Some(TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        };
+        let all = [
+            all(&depths),
+            all(&casters),
+            self.corners.create_view(&Default::default()),
+        ];
+        let entry = BindGroupEntry {
+            binding: 0,
+            resource: uniform.as_entire_binding(),
+        };
+        let group = |layout, entries: &[BindGroupEntry]| {
+            device.device.create_bind_group(&BindGroupDescriptor {
+                label: Some("a beam"),
+                layout,
+                entries,
+            })
+        };
+        let mut ask = vec![entry.clone()];
+        ask.extend(all.iter().zip(1..).map(|(view, binding)| BindGroupEntry {
+            binding,
+            resource: BindingResource::TextureView(view),
+        }));
+        Ok(Slot {
+            drawn: None,
+            side,
+            draw: group(&pipelines.beam, &[entry]),
+            ask: group(&pipelines.lit, &ask),
+            uniform,
+            views,
+        })
+    }
+}
+
+impl Job<'_> {
+    /// The bind group through which shaders ask a beam and its maps, which are drawn unless they are there.
+    pub(super) fn maps_of(&mut self, number: usize) -> Result<BindGroup> {
+        let maps = self.maps.as_mut().expect("a beam has maps");
+        let (beam, fitted) = maps.beams[number];
+        let slots = &mut *self.slots;
+        // Beams of one disc ask for nearly the same.
+        let side = (fitted.side as u32)
+            .next_multiple_of(SIDES)
+            .min(maps.settings.most);
+        let layers = fitted.partitions.max(1);
+        let bytes = |side: u32, layers: u64| 8 * u64::from(side).pow(2) * layers;
+        // The side follows from the slot that it gets, the strength does not show in maps.
+        let kept = slots
+            .slots
+            .iter()
+            .position(|slot| slot.drawn.is_some_and(|drawn| drawn == fitted));
+        // What this plan has no beam for is the first to go.
+        let stale = slots.slots.iter().position(|slot| {
+            slot.drawn
+                .is_none_or(|drawn| maps.beams.iter().all(|(_, wanted)| *wanted != drawn))
+        });
+        let sizes = slots.slots.iter();
+        let sizes = sizes.map(|slot| bytes(slot.side, slot.views.len() as u64));
+        let room = sizes.sum::<u64>() + bytes(side, u64::from(layers)) <= KEPT_MAPS;
+        let mut index = kept.or(stale);
+        if index.is_none() && (slots.slots.is_empty() || room && !slots.full) {
+            self.device.check()?;
+            let made = maps.slot(self.device, self.pipelines, side, layers);
+            match made.and_then(|slot| self.device.check().map(|()| slot)) {
+                Ok(slot) => {
+                    slots.slots.push(slot);
+                    index = Some(slots.slots.len() - 1);
+                }
+                Err(error) if slots.slots.is_empty() => return Err(error),
+                // A device that has no room for one more still has those that it has.
+                Err(_) => slots.full = true,
+            }
+        }
+        // The last one changes hands: when beams are gone through in turns, the others stay.
+        let index = index.unwrap_or(slots.slots.len() - 1);
+        if slots.slots[index].side < side || slots.slots[index].views.len() < layers as usize {
+            slots.slots[index] = maps.slot(self.device, self.pipelines, side, layers)?;
+        }
+        let slot = &mut slots.slots[index];
+        let uniform = shared::Beam {
+            side: slot.side as f32,
+            // The same direction may come with another share of the light.
+            strength: beam.strength().as_vec3(),
+            ..fitted
+        };
+        self.device.write(&slot.uniform, &shared::uniform(&uniform));
+        if slot.drawn != Some(fitted) {
+            slot.drawn = Some(fitted);
+            for k in 0..fitted.partitions {
+                maps.runs += 1;
+                let (depth, color) = &slot.views[k as usize];
+                let within = match fitted.kind {
+                    shared::LOCAL => UVec2::splat(slot.side),
+                    _ => fitted.maps[k as usize].size.as_uvec2(),
+                };
+                let draw = Draw {
+                    raster: &maps.raster,
+                    groups: &[&self.common, &maps.group, &slot.draw],
+                    corners: &self.corners,
+                    triangles: self.triangles,
+                    color,
+                    depth,
+                    far: 1.0,
+                    instance: k,
+                    within,
+                };
+                draw.submit(self.device, &mut self.timer, self.stages.len())?;
+            }
+        }
+        Ok(slot.ask.clone())
+    }
+}

@@ -1,0 +1,658 @@
+//! One plan at work on a device: tile by tile, sample by sample.
+
+use super::beams::{BeamMaps, Slots};
+use super::by_cpu::numbers_pitch;
+use super::device::Device;
+use super::draw::{Draw, dispatch, texture, tile_groups};
+use super::on_device::Kept as KeptOnDevice;
+use super::pipeline::Pipelines;
+use super::prepare::{Compute, Filling, Maker, Stage, Target, Work, is_needed};
+use super::scene::{Plane, SceneOnDevice, Triangles, media};
+use super::schedule::{Action, Schedule};
+use super::shared;
+use super::store::Store;
+use super::timer::Timer;
+use crate::backend::film::Film;
+use crate::backend::{Limits, Made, Progress, Rendered, StepTime};
+use crate::effect::{Field, Fields, Kept, Life, Settings};
+use crate::error::Result;
+use crate::frame::NO_HIT;
+use crate::plan::{Plan, sample_positions};
+use crate::scene::{Projection, Ray};
+use glam::{DVec2, UVec2, Vec3};
+use rayon::prelude::*;
+use std::time::{Duration, Instant};
+use wgpu::*;
+
+/// Side of a tile [pixels]: a quarter of a million rays are a few milliseconds on hardware.
+const TILE: u32 = 512;
+
+/// Rays that are handed to a core at once.
+pub const CHUNK: usize = 256;
+
+/// What a [`super::Gpu`] lends to a job.
+pub struct Lent<'j> {
+    pub device: &'j Device,
+    pub pipelines: &'j mut Pipelines,
+    pub scene: &'j mut SceneOnDevice,
+    pub store: &'j mut Store,
+    pub kept: &'j Kept,
+    pub counting: bool,
+}
+
+/// A plan on a device: pipelines compiled, buffers and textures allocated.
+pub struct Job<'j> {
+    pub plan: &'j Plan<'j>,
+    pub device: &'j Device,
+    pub pipelines: &'j Pipelines,
+    pub triangles: &'j Triangles,
+    pub planes: &'j [Plane],
+    pub anchor: glam::DVec3,
+    pub slots: &'j mut Slots,
+    pub store: &'j mut Store,
+    pub written: Vec<Field>,
+    pub tile: UVec2,
+    pub corners: Buffer,
+    tile_view: Buffer,
+    rays: Buffer,
+    pub common: BindGroup,
+    pub numbers: Texture,
+    depth: TextureView,
+    pub fields: Vec<Target>,
+    pub stages: Vec<Stage<'j>>,
+    schedule: Schedule,
+    fillings: Vec<Filling>,
+    pub maps: Option<BeamMaps>,
+    pub staging: Buffer,
+    pub timer: Timer,
+    /// Where shaders count what they read, if they do.
+    counts: Option<Buffer>,
+    /// What the CPU knows of the tile's rays, once it was asked.
+    pub on_cpu: Option<Vec<Fields>>,
+    pub made: Made,
+}
+
+impl<'j> Job<'j> {
+    /// Prepares a plan on a device.
+    pub fn new(plan: &'j Plan<'j>, lent: Lent<'j>) -> Result<Self> {
+        let Lent {
+            device,
+            pipelines,
+            scene,
+            store,
+            kept,
+            counting,
+        } = lent;
+        let conditions = plan.conditions;
+        let compiled = pipelines.compiled;
+        store.begin();
+        let tile = UVec2::from(conditions.view.size).min(UVec2::splat(TILE));
+        let pixels = u64::from(tile.x) * u64::from(tile.y);
+        let corners = scene
+            .buffer(device, conditions, &crate::effect::Resource::Corners)?
+            .expect("corners are a buffer of the scene");
+        let copied = BufferUsages::COPY_DST;
+        let tile_bytes = shared::uniform(&shared::TileView::default()).len() as u64;
+        let tile_view = store.buffer(
+            device,
+            "the tile",
+            tile_bytes,
+            BufferUsages::UNIFORM | copied,
+        )?;
+        let rays = store.buffer(
+            device,
+            "the rays",
+            16 * pixels,
+            BufferUsages::STORAGE | copied,
+        )?;
+        let mut air = media(conditions);
+        if air.is_empty() {
+            air.push(shared::Medium::default());
+        }
+        let air = device.filled("the media", &shared::list(&air), BufferUsages::STORAGE)?;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | copied;
+        let counts = match counting {
+            true => Some(store.buffer(device, "counts", 8, storage)?),
+            false => None,
+        };
+        let common = device.device.create_bind_group(&BindGroupDescriptor {
+            label: Some("tile, rays, media, counts"),
+            layout: pipelines.common(counting),
+            entries: &[&tile_view, &rays, &air]
+                .into_iter()
+                .chain(&counts)
+                .zip(0..)
+                .map(|(buffer, binding)| BindGroupEntry {
+                    binding,
+                    resource: buffer.as_entire_binding(),
+                })
+                .collect::<Vec<_>>(),
+        });
+        let drawn = |label, format, usage| texture(device, label, tile, 1, format, usage);
+        let numbers = drawn(
+            "numbers",
+            TextureFormat::R32Uint,
+            TextureUsages::RENDER_ATTACHMENT
+                | TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_DST
+                | TextureUsages::COPY_SRC,
+        );
+        let depth = drawn(
+            "depth",
+            TextureFormat::Depth32Float,
+            TextureUsages::RENDER_ATTACHMENT,
+        )
+        .create_view(&Default::default());
+
+        let written = plan.written();
+        let mut fields = Vec::new();
+        for &field in &written {
+            let bytes = match field {
+                Field::Surface => shared::SURFACE_BYTES * pixels,
+                _ => 16 * pixels,
+            };
+            fields.push(Target {
+                field,
+                buffer: store.buffer(device, field.name(), bytes, storage)?,
+                bytes,
+            });
+        }
+        let all: u64 = fields.iter().map(|f| f.bytes).sum();
+        let staging = store.buffer(
+            device,
+            "what is read back",
+            all.max(u64::from(numbers_pitch(tile.x)) * u64::from(tile.y)),
+            BufferUsages::MAP_READ | copied,
+        )?;
+
+        let mut maker = Maker {
+            plan,
+            device,
+            pipelines,
+            scene,
+            store,
+            kept,
+            counting,
+            fields: &fields,
+            numbers: &numbers,
+            pixels,
+            stages: Vec::new(),
+            schedule: Schedule::default(),
+            fillings: Vec::new(),
+            maps: None,
+        };
+        maker.all()?;
+        let Maker {
+            stages,
+            schedule,
+            fillings,
+            maps,
+            ..
+        } = maker;
+        store.finish();
+        let timer = Timer::new(device, stages.len() + 1)?;
+        device.check()?;
+        let traced = |stage: &Stage| matches!(stage.work, Work::Camera(.., true));
+        let made = Made {
+            pipelines: pipelines.compiled - compiled,
+            ..Made::default()
+        };
+        let traced = stages.iter().any(traced);
+        let anchor = scene.anchor;
+        let (triangles, planes, slots) = scene.parts(traced);
+        Ok(Job {
+            plan,
+            device,
+            pipelines,
+            triangles,
+            planes,
+            anchor,
+            slots,
+            store,
+            written,
+            tile,
+            corners,
+            tile_view,
+            rays,
+            common,
+            numbers,
+            depth,
+            fields,
+            stages,
+            schedule,
+            fillings,
+            maps,
+            staging,
+            timer,
+            counts,
+            on_cpu: None,
+            made,
+        })
+    }
+
+    /// Renders the whole picture; what the device itself is to keep of it goes there.
+    pub fn render(
+        mut self,
+        limits: &Limits,
+        progress: Progress,
+        kept: &mut KeptOnDevice,
+    ) -> Result<Rendered> {
+        let start = Instant::now();
+        let before = self.device.traffic();
+        let view = &self.plan.conditions.view;
+        let size = UVec2::from(view.size);
+        let mut film = match kept.is_wanted() {
+            true => None,
+            false => Some(Film::new(view.size, &self.written, limits.memory)?),
+        };
+        let offsets = sample_positions(view.samples);
+        let middle = DVec2::splat(0.5);
+        let central = (0..offsets.len())
+            .min_by(|a, b| {
+                let d = |i: &usize| offsets[*i].distance(middle);
+                d(a).total_cmp(&d(b))
+            })
+            .unwrap_or(0);
+        let corners: Vec<UVec2> = (0..size.y)
+            .step_by(self.tile.y as usize)
+            .flat_map(|y| {
+                let columns = (0..size.x).step_by(self.tile.x as usize);
+                columns.map(move |x| UVec2::new(x, y))
+            })
+            .collect();
+        let work = (corners.len() * offsets.len()) as f64;
+        let mut done = 0.0;
+        let mut filled = false;
+        for corner in corners {
+            let extent = self.tile.min(size - corner);
+            for (index, offset) in offsets.iter().enumerate() {
+                limits.check()?;
+                let rays = self.begin_tile(corner, extent, *offset);
+                if !filled {
+                    self.fill()?;
+                    filled = true;
+                }
+                self.run_tile(corner, extent, &rays)?;
+                let share = 1.0 / offsets.len() as f32;
+                match &mut film {
+                    Some(film) => {
+                        let fields: Vec<Field> = self.fields.iter().map(|t| t.field).collect();
+                        let found = self.read(&fields)?;
+                        self.put(film, corner, extent, &found, share, index == central);
+                    }
+                    None => kept.add(&self, corner, extent, share)?,
+                }
+                done += 1.0;
+                progress(done / work);
+            }
+        }
+        let times = self.timer.take(self.device)?;
+        let after = self.device.traffic();
+        self.made.maps = self.maps.as_ref().map_or(0, |maps| maps.runs);
+        Ok(Rendered {
+            frame: film.map(Film::into_frame).unwrap_or_default(),
+            steps: self.steps(times.as_deref()),
+            traffic: crate::backend::Traffic {
+                allocated: after.allocated,
+                uploaded: after.uploaded - before.uploaded,
+                downloaded: after.downloaded - before.downloaded,
+            },
+            refined: 0,
+            made: self.made,
+            elapsed: start.elapsed(),
+        })
+    }
+
+    fn steps(&self, times: Option<&[Duration]>) -> Vec<StepTime> {
+        let mut steps = Vec::new();
+        if let Some(maps) = &self.maps {
+            steps.push(StepTime {
+                effect: maps.effect,
+                pass: maps.pass,
+                on_cpu: false,
+                runs: maps.runs,
+                counted: None,
+                time: times.map(|t| t[self.stages.len()]),
+            });
+        }
+        for (stage, i) in self.stages.iter().zip(0..) {
+            let on_cpu = matches!(stage.work, Work::Host(_)) || self.found_by_cpu(stage);
+            steps.push(StepTime {
+                effect: stage.effect,
+                pass: stage.pass,
+                on_cpu,
+                runs: stage.runs,
+                counted: (self.counts.is_some() && !on_cpu).then_some(stage.counted),
+                time: if on_cpu {
+                    Some(stage.on_cpu)
+                } else {
+                    times.map(|t| t[i])
+                },
+            });
+        }
+        steps
+    }
+
+    /// A panorama cannot be rasterised: the CPU finds its triangles. Points are known to it.
+    fn found_by_cpu(&self, stage: &Stage) -> bool {
+        matches!(stage.work, Work::Camera(..))
+            && self.plan.conditions.view.camera.projection == Projection::Panorama
+    }
+
+    /// Tells the shaders of a tile: its rays and its place. The rays.
+    fn begin_tile(&mut self, corner: UVec2, extent: UVec2, offset: DVec2) -> Vec<Ray> {
+        let view = &self.plan.conditions.view;
+        let count = (extent.x * extent.y) as usize;
+        let rays: Vec<Ray> = (0..count)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|i| view.ray(pixel_of(i, corner, extent).as_dvec2() + offset))
+            .collect();
+        let directions: Vec<[f32; 4]> = rays
+            .iter()
+            .map(|ray| ray.direction.as_vec3().extend(0.0).to_array())
+            .collect();
+        self.device
+            .write(&self.rays, bytemuck::cast_slice(&directions));
+        let tile_view = shared::uniform(&self.tile_view_of(corner, extent, offset));
+        self.device.write(&self.tile_view, &tile_view);
+        self.on_cpu = None;
+        rays
+    }
+
+    /// Runs everything of a tile, in its order.
+    fn run_tile(&mut self, corner: UVec2, extent: UVec2, rays: &[Ray]) -> Result<()> {
+        let fields = self.fields.iter();
+        let fields = fields.filter(|target| target.field != Field::Surface);
+        let mut cleared: Vec<Buffer> = fields.map(|target| target.buffer.clone()).collect();
+        cleared.extend(self.store.zeroed(Life::Tile).cloned());
+        self.clear(&cleared);
+        for index in 0..self.schedule.actions.len() {
+            let stages = match &self.schedule.actions[index] {
+                Action::Stage(stage) => {
+                    let stage = *stage;
+                    self.run(stage, corner, extent, rays)?;
+                    continue;
+                }
+                Action::Beams(stages) => stages.clone(),
+            };
+            self.run_beams(&stages, extent)?;
+        }
+        Ok(())
+    }
+
+    fn clear(&self, buffers: &[Buffer]) {
+        if buffers.is_empty() {
+            return;
+        }
+        let device = &self.device.device;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        for buffer in buffers {
+            encoder.clear_buffer(buffer, 0, None);
+        }
+        self.device.queue.submit([encoder.finish()]);
+    }
+
+    /// Makes what is kept and not there.
+    fn fill(&mut self) -> Result<()> {
+        let fillings = std::mem::take(&mut self.fillings);
+        let zeroed: Vec<Buffer> = self.store.zeroed(Life::Kept).cloned().collect();
+        self.clear(&zeroed);
+        let needed: Vec<&Filling> = fillings
+            .iter()
+            .filter(|filling| is_needed(filling, self.store))
+            .collect();
+        for filling in &needed {
+            match &filling.until {
+                None => {
+                    for stage in &filling.stages {
+                        self.run_kept(*stage)?;
+                    }
+                }
+                Some((until, settings)) => {
+                    let settings = Settings { values: settings };
+                    let most = (until.most)(&settings);
+                    let mut turns = 0;
+                    while turns < most {
+                        for _ in 0..until.turns.clamp(1, most - turns) {
+                            for stage in &filling.stages {
+                                self.run_kept(*stage)?;
+                            }
+                            turns += 1;
+                        }
+                        let found = self.read_product(filling.effect.name, until.condition.name)?;
+                        if (until.holds)(&found, &settings) {
+                            break;
+                        }
+                    }
+                }
+            }
+        }
+        for filling in &needed {
+            let made = self.store.made(filling.effect.name);
+            for name in made {
+                if !self.made.products.contains(&name) {
+                    self.made.products.push(name);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The numbers of a product.
+    fn read_product(&self, effect: &'static str, name: &'static str) -> Result<Vec<u32>> {
+        let Some(buffer) = self.store.buffer_of(effect, name) else {
+            return Ok(Vec::new());
+        };
+        let bytes = buffer.size().min(self.staging.size());
+        let device = &self.device.device;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, 0, bytes);
+        self.device.queue.submit([encoder.finish()]);
+        let found = self.device.read(&self.staging, bytes)?;
+        Ok(bytemuck::pod_collect_to_vec(&found))
+    }
+
+    /// Runs a stage that fills what is kept.
+    fn run_kept(&mut self, index: usize) -> Result<()> {
+        let stage = &mut self.stages[index];
+        stage.runs += 1;
+        match &stage.work {
+            Work::Compute(compute) => {
+                let groups = [&self.common, &compute.group];
+                let over = compute.groups.unwrap_or([1, 1]);
+                dispatch(
+                    self.device,
+                    &mut self.timer,
+                    index,
+                    &compute.pipeline,
+                    &groups,
+                    over,
+                )
+            }
+            Work::Hemicube(raster, group, faces) => {
+                for (face, view) in faces.views.iter().enumerate() {
+                    let draw = Draw {
+                        raster,
+                        groups: &[&self.common, group],
+                        corners: &self.corners,
+                        triangles: self.triangles,
+                        color: view,
+                        depth: &faces.depth,
+                        far: 1.0,
+                        instance: face as u32,
+                        within: UVec2::splat(faces.side),
+                    };
+                    draw.submit(self.device, &mut self.timer, index)?;
+                }
+                Ok(())
+            }
+            Work::Camera(..) | Work::Host(_) => Ok(()),
+        }
+    }
+
+    /// Reads fields of the tile.
+    pub fn read(&self, fields: &[Field]) -> Result<Vec<u8>> {
+        let device = &self.device.device;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut at = 0;
+        for target in self.fields.iter().filter(|t| fields.contains(&t.field)) {
+            encoder.copy_buffer_to_buffer(&target.buffer, 0, &self.staging, at, target.bytes);
+            at += target.bytes;
+        }
+        self.device.queue.submit([encoder.finish()]);
+        self.device.read(&self.staging, at)
+    }
+
+    fn run(&mut self, index: usize, corner: UVec2, extent: UVec2, rays: &[Ray]) -> Result<()> {
+        if self.found_by_cpu(&self.stages[index]) {
+            return self.draw_by_cpu(index, extent, rays);
+        }
+        let stage = &mut self.stages[index];
+        match &stage.work {
+            Work::Compute(compute) => {
+                stage.runs += 1;
+                let groups = [&self.common, &compute.group];
+                let over = compute.groups.unwrap_or(tile_groups(extent));
+                dispatch(
+                    self.device,
+                    &mut self.timer,
+                    index,
+                    &compute.pipeline,
+                    &groups,
+                    over,
+                )?;
+                let finds = stage.effect.writes.contains(&Field::Surface);
+                if finds && self.plan.conditions.view.points().is_some() {
+                    self.write_points(corner, extent);
+                }
+                Ok(())
+            }
+            Work::Camera(raster, group, traced) => {
+                let traced = *traced;
+                stage.runs += 1;
+                let view = self.numbers.create_view(&Default::default());
+                let draw = Draw {
+                    raster,
+                    groups: &[&self.common, group],
+                    corners: &self.corners,
+                    triangles: self.triangles,
+                    color: &view,
+                    depth: &self.depth,
+                    far: 0.0,
+                    instance: 0,
+                    within: self.tile,
+                };
+                draw.submit(self.device, &mut self.timer, index)?;
+                if traced {
+                    self.trace_silhouettes(index, extent, rays)?;
+                }
+                Ok(())
+            }
+            Work::Host(_) => self.run_host(index, corner, extent, rays),
+            // It belongs to what is filled before all tiles.
+            Work::Hemicube(..) => self.run_kept(index),
+        }
+    }
+
+    /// Runs stages for each beam, beam by beam, so that the maps of a beam are drawn once for all that ask for them.
+    fn run_beams(&mut self, stages: &[usize], extent: UVec2) -> Result<()> {
+        let count = self.maps.as_ref().map_or(0, |maps| maps.beams.len());
+        for beam in 0..count {
+            let asks = |index: &&usize| match &self.stages[**index].work {
+                Work::Compute(compute) => compute.beams.contains(&beam),
+                _ => false,
+            };
+            let asking: Vec<usize> = stages.iter().filter(asks).copied().collect();
+            if asking.is_empty() {
+                continue;
+            }
+            let ask = self.maps_of(beam)?;
+            let zeroed: Vec<Buffer> = self.store.zeroed(Life::Beam).cloned().collect();
+            self.clear(&zeroed);
+            for index in asking {
+                let stage = &mut self.stages[index];
+                let Work::Compute(Compute {
+                    pipeline,
+                    group,
+                    groups,
+                    ..
+                }) = &stage.work
+                else {
+                    continue;
+                };
+                stage.runs += 1;
+                let over = groups.unwrap_or(tile_groups(extent));
+                let groups = [&self.common, group, &ask];
+                dispatch(self.device, &mut self.timer, index, pipeline, &groups, over)?;
+                self.take_counts(index)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds what the last pass counted to its stage, if it did.
+    fn take_counts(&mut self, index: usize) -> Result<()> {
+        let Some(counts) = &self.counts else {
+            return Ok(());
+        };
+        let device = &self.device.device;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(counts, 0, &self.staging, 0, 8);
+        encoder.clear_buffer(counts, 0, None);
+        self.device.queue.submit([encoder.finish()]);
+        let bytes = self.device.read(&self.staging, 8)?;
+        for (sum, word) in self.stages[index].counted.iter_mut().zip(0..) {
+            *sum += u64::from(float(&bytes, word).to_bits());
+        }
+        Ok(())
+    }
+
+    /// Puts a tile into the picture.
+    fn put(
+        &self,
+        film: &mut Film,
+        corner: UVec2,
+        extent: UVec2,
+        found: &[u8],
+        share: f32,
+        central: bool,
+    ) {
+        let mut at = 0usize;
+        let count = (extent.x * extent.y) as usize;
+        for target in &self.fields {
+            let bytes = &found[at..at + target.bytes as usize];
+            at += target.bytes as usize;
+            for i in 0..count {
+                let pixel = pixel_of(i, corner, extent);
+                if target.field != Field::Surface {
+                    let word = |w: usize| float(bytes, 4 * i + w);
+                    let value = Vec3::new(word(0), word(1), word(2));
+                    film.add(target.field, pixel, share * value);
+                } else if central {
+                    let word = |w| surface_word(bytes, i, w);
+                    let met = word(7).to_bits() != shared::NOTHING;
+                    let depth = if met { word(3).min(NO_HIT) } else { NO_HIT };
+                    film.set_surface(pixel, depth, Vec3::new(word(0), word(1), word(2)));
+                }
+            }
+        }
+    }
+}
+
+/// The pixel of the picture that is the i-th of a tile.
+pub fn pixel_of(i: usize, corner: UVec2, extent: UVec2) -> UVec2 {
+    let i = i as u32;
+    corner + UVec2::new(i % extent.x, i / extent.x)
+}
+
+pub fn float(bytes: &[u8], word: usize) -> f32 {
+    let mut four = [0; 4];
+    four.copy_from_slice(&bytes[4 * word..4 * word + 4]);
+    f32::from_le_bytes(four)
+}
+
+/// A word of a pixel's [`shared::Surface`]: 0 to 2 the normal, 3 the distance, 7 the number.
+pub fn surface_word(bytes: &[u8], pixel: usize, word: usize) -> f32 {
+    float(bytes, shared::SURFACE_BYTES as usize / 4 * pixel + word)
+}

@@ -1,0 +1,183 @@
+//! The GPU, through wgpu: Vulkan, Metal, Direct3D 12. No other module names wgpu.
+//!
+//! [`Gpu`] runs the passes of a plan's effects, which are plain data ([`crate::effect::Pass`]). It lasts over plans: pipelines are
+//! compiled once, the scene's buffers are relative to an anchor and serve as long as the scene is the same and the eye near, what
+//! effects keep serves until what it was made of changes. Nothing is compiled or allocated for an effect that the plan leaves out.
+//! The picture is worked off in tiles, so that any size fits an adapter's limits and no submit is long. An effect without passes
+//! is done on the CPU by its reference, from the surfaces and fields that the GPU found.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`adapters`], [`device`], `timer` | which adapters there are; a device with errors and bytes; how long passes take |
+//! | `shared`, `source`, `pipeline` | what Rust and WGSL share; the text of a shader; what is compiled of it |
+//! | `scene`, `store`, `beams`, `maps` | what lasts: the scene, fields and products, beams with their shadow maps and where these look |
+//! | `prepare`, `schedule`, `job`, `view` | a plan made ready, in which order, and at work; the tile and the camera |
+//! | `draw`, `by_cpu`, `on_device` | one submit; what the CPU does of a tile; pictures that stay |
+//! | [`sky_map`] | maps of the whole sky |
+
+pub mod adapters;
+mod beams;
+mod by_cpu;
+pub mod device;
+mod draw;
+mod job;
+mod maps;
+mod on_device;
+mod pipeline;
+mod prepare;
+mod scene;
+mod schedule;
+mod shared;
+pub mod sky_map;
+mod source;
+mod store;
+mod timer;
+mod view;
+
+pub use device::{Choice, Device};
+pub use on_device::OnDevice;
+pub use source::shader_text;
+
+use super::{Limits, Progress, Rendered};
+use crate::effect::Kept;
+use crate::error::{Error, Result};
+use crate::plan::Plan;
+use job::{Job, Lent};
+use pipeline::{BUFFERS_COUNTING, Pipelines};
+use scene::SceneOnDevice;
+use store::Store;
+
+/// A device and all that lasts on it over plans.
+pub struct Gpu {
+    device: Device,
+    pipelines: Pipelines,
+    scene: Option<SceneOnDevice>,
+    store: Store,
+    kept: Kept,
+}
+
+impl Gpu {
+    /// Over an open device.
+    pub fn new(device: Device) -> Self {
+        Gpu {
+            pipelines: Pipelines::new(&device),
+            scene: None,
+            store: Store::default(),
+            kept: Kept::default(),
+            device,
+        }
+    }
+
+    /// Over the best adapter of a choice.
+    ///
+    /// # Errors
+    /// Those of [`Device::open`].
+    pub fn open(choice: Choice) -> Result<Self> {
+        Ok(Gpu::new(Device::open(choice)?))
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Drops what is kept of scenes and results, so that the next picture starts afresh; pipelines stay compiled.
+    pub fn forget(&mut self) {
+        if let Some(scene) = &mut self.scene {
+            scene.slots.forget();
+        }
+        self.store.forget();
+        self.kept.forget();
+    }
+
+    /// Renders a plan.
+    ///
+    /// With more than one sample, all pixels take the mean of as many rays, at the places of [`crate::plan::sample_positions`];
+    /// distance and normal are those of the ray nearest the pixel's centre.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the frame would hold more than the limit's memory; [`Error::Failed`] when the scene is larger than the
+    /// adapter takes, or the device fails; [`Error::Domain`] for a shadow map larger than the adapter's textures;
+    /// [`Error::Stopped`] when it was stopped.
+    pub fn render(&mut self, plan: &Plan, limits: &Limits, progress: Progress) -> Result<Rendered> {
+        self.run(
+            plan,
+            limits,
+            progress,
+            false,
+            &mut on_device::Kept::new(false),
+        )
+    }
+
+    /// The same with shaders that count what they read ([`super::StepTime::counted`]); times of such a rendering mean nothing. Takes
+    /// one storage buffer more than every device has.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::render`]; [`Error::Failed`] on a device that has too few storage buffers.
+    pub fn count(&mut self, plan: &Plan, limits: &Limits, progress: Progress) -> Result<Rendered> {
+        let buffers = self.device.limits().max_storage_buffers_per_shader_stage;
+        if buffers < BUFFERS_COUNTING {
+            return Err(Error::failed(
+                format!(
+                    "counting what shaders read takes {BUFFERS_COUNTING} storage buffers, and {} takes {buffers} at once",
+                    self.device.adapter.name
+                ),
+                "use another adapter: `tyndall doctor` lists them",
+            ));
+        }
+        self.run(
+            plan,
+            limits,
+            progress,
+            true,
+            &mut on_device::Kept::new(false),
+        )
+    }
+
+    /// Renders a plan and leaves the picture on the device: nothing is read back but what effects on the CPU need.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::render`]; [`Error::Failed`] for a picture larger than a binding of the device.
+    pub fn render_on_device(&mut self, plan: &Plan, limits: &Limits) -> Result<OnDevice> {
+        let mut kept = on_device::Kept::new(true);
+        self.run(plan, limits, &|_| {}, false, &mut kept)?;
+        kept.into_picture().ok_or_else(|| {
+            Error::failed(
+                "the picture has no pixels",
+                "give it a size of at least 1 x 1",
+            )
+        })
+    }
+
+    fn run(
+        &mut self,
+        plan: &Plan,
+        limits: &Limits,
+        progress: Progress,
+        counting: bool,
+        kept: &mut on_device::Kept,
+    ) -> Result<Rendered> {
+        let conditions = plan.conditions;
+        let mut loaded = false;
+        match &mut self.scene {
+            Some(scene) if scene.is_of(conditions) => scene.follow(conditions),
+            slot => {
+                *slot = Some(SceneOnDevice::new(conditions));
+                loaded = true;
+            }
+        }
+        let scene = self.scene.as_mut().expect("it was just put there");
+        let lent = Lent {
+            device: &self.device,
+            pipelines: &mut self.pipelines,
+            scene,
+            store: &mut self.store,
+            kept: &self.kept,
+            counting,
+        };
+        let mut rendered = Job::new(plan, lent)?.render(limits, progress, kept)?;
+        rendered.made.scene = loaded;
+        rendered.made.products.extend(self.kept.take_made());
+        Ok(rendered)
+    }
+}

@@ -1,0 +1,459 @@
+//! What a plan's passes need on the device: pipelines, buffers, bindings; and the order in which they run.
+
+use super::beams::BeamMaps;
+use super::device::Device;
+use super::draw::texture;
+use super::pipeline::{Compile, Pipelines, Raster};
+use super::scene::SceneOnDevice;
+use super::schedule::{Schedule, Touched};
+use super::source::knob_bytes;
+use super::store::Store;
+use crate::effect::{
+    Batch, Effect, Extent, Field, Kept, Life, Loop, MapSettings, Over, Pass, RasterView, Resource,
+    Settings, When,
+};
+use crate::error::{Error, Result};
+use crate::plan::Plan;
+use glam::UVec2;
+use std::time::Duration;
+use wgpu::*;
+
+/// One entry of the list of what is done.
+pub struct Stage<'p> {
+    pub effect: &'static Effect,
+    pub pass: &'static str,
+    pub work: Work<'p>,
+    pub runs: u32,
+    pub on_cpu: Duration,
+    pub counted: [u64; 2],
+}
+
+pub enum Work<'p> {
+    Compute(Compute),
+    /// The flag asks for exact silhouettes.
+    Camera(Raster, BindGroup, bool),
+    Hemicube(Raster, BindGroup, Faces),
+    Host(Host<'p>),
+}
+
+pub struct Compute {
+    pub pipeline: ComputePipeline,
+    pub group: BindGroup,
+    /// Workgroups; absent: those that cover the tile.
+    pub groups: Option<[u32; 2]>,
+    /// The numbers of the beams that it runs for, of a pass for each beam.
+    pub beams: Vec<usize>,
+}
+
+/// What the CPU does.
+pub struct Host<'p> {
+    pub batch: Batch<'p>,
+    /// The fields that must be fetched from the device.
+    pub fetch: Vec<Field>,
+    /// The fields that are brought back to it.
+    pub bring: Vec<Field>,
+}
+
+/// The faces of a hemicube.
+pub struct Faces {
+    pub views: Vec<TextureView>,
+    pub depth: TextureView,
+    pub side: u32,
+}
+
+/// Passes that fill what is kept, in their order; those of one loop are one entry.
+pub struct Filling {
+    pub effect: &'static Effect,
+    pub stages: Vec<usize>,
+    pub until: Option<(&'static Loop, Vec<(&'static str, f64)>)>,
+}
+
+/// A field of a tile.
+pub struct Target {
+    pub field: Field,
+    pub buffer: Buffer,
+    pub bytes: u64,
+}
+
+/// Makes what the passes of a plan name.
+pub struct Maker<'m, 'p> {
+    pub plan: &'p Plan<'p>,
+    pub device: &'m Device,
+    pub pipelines: &'m mut Pipelines,
+    pub scene: &'m mut SceneOnDevice,
+    pub store: &'m mut Store,
+    pub kept: &'m Kept,
+    pub counting: bool,
+    pub fields: &'m [Target],
+    pub numbers: &'m Texture,
+    /// Pixels of a tile.
+    pub pixels: u64,
+    pub stages: Vec<Stage<'p>>,
+    pub schedule: Schedule,
+    pub fillings: Vec<Filling>,
+    pub maps: Option<BeamMaps>,
+}
+
+impl<'p> Maker<'_, 'p> {
+    pub fn all(&mut self) -> Result<()> {
+        let plan = self.plan;
+        for step in plan.running() {
+            let settings = Settings {
+                values: &step.settings,
+            };
+            let effect = step.effect;
+            if effect.passes.is_empty() {
+                self.host(effect, &settings);
+                continue;
+            }
+            for pass in effect.passes {
+                self.pass(effect, pass, &settings)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn host(&mut self, effect: &'static Effect, settings: &Settings) {
+        let changed: Vec<Field> = effect.writes.iter().chain(effect.alters).copied().collect();
+        let touched = Touched::by_host(effect);
+        let number = self.stages.len();
+        let before = self.schedule.host(number, &touched);
+        let mut fetch: Vec<Field> = effect
+            .reads
+            .iter()
+            .chain(&changed)
+            .copied()
+            .filter(|field| *field != Field::Surface && before.contains(field))
+            .collect();
+        fetch.sort_unstable();
+        fetch.dedup();
+        let bring = changed
+            .into_iter()
+            .filter(|field| self.field(*field).is_some())
+            .collect();
+        let batch = (effect.reference)(self.plan.conditions, settings, self.kept);
+        self.push(
+            effect,
+            "reference",
+            Work::Host(Host {
+                batch,
+                fetch,
+                bring,
+            }),
+        );
+    }
+
+    fn field(&self, field: Field) -> Option<&Buffer> {
+        let target = self.fields.iter().find(|t| t.field == field);
+        target.map(|t| &t.buffer)
+    }
+
+    fn push(&mut self, effect: &'static Effect, pass: &'static str, work: Work<'p>) {
+        self.stages.push(Stage {
+            effect,
+            pass,
+            work,
+            runs: 0,
+            on_cpu: Duration::ZERO,
+            counted: [0; 2],
+        });
+    }
+
+    fn pass(
+        &mut self,
+        effect: &'static Effect,
+        pass: &'static Pass,
+        settings: &Settings,
+    ) -> Result<()> {
+        let each: Vec<Option<Field>> = match pass.over {
+            Over::Fields(fields) => fields
+                .iter()
+                .filter(|f| self.field(**f).is_some())
+                .map(|f| Some(*f))
+                .collect(),
+            _ => vec![None],
+        };
+        let fields = pass.uses.iter().filter_map(Resource::field);
+        let missing = fields.clone().any(|field| self.field(field).is_none());
+        if missing || each.is_empty() {
+            return Ok(());
+        }
+        let plan = self.plan;
+        let what = Compile {
+            device: self.device,
+            effect: effect.name,
+            pass,
+            conditions: plan.conditions,
+            settings,
+            counting: self.counting,
+        };
+        if let Over::Raster(view) = pass.over {
+            let triangles = &self.scene.triangles;
+            let holes = (triangles.solid as usize) < triangles.numbers.len();
+            let (raster, layout) = self.pipelines.raster(&what, holes);
+            let group = self.group(effect, pass, settings, &layout, None)?;
+            match view {
+                RasterView::Camera(traced) => {
+                    let work = Work::Camera(raster, group, traced(settings));
+                    self.schedule_pass(effect, pass, None);
+                    self.push(effect, pass.entry, work);
+                }
+                RasterView::Beam(wanted) if self.maps.is_none() => {
+                    let settings = self.checked(wanted(settings))?;
+                    self.maps = Some(BeamMaps {
+                        effect,
+                        pass: pass.entry,
+                        raster,
+                        group,
+                        settings,
+                        corners: self.scene.caster_corners(self.device),
+                        beams: Vec::new(),
+                        runs: 0,
+                    });
+                }
+                // The first that draws them draws them for all.
+                RasterView::Beam(_) => {}
+                RasterView::Hemicube(side) => {
+                    let extent = self.extent(settings);
+                    let faces = self.faces(effect, side(&extent))?;
+                    let views = (0..5).map(|face| {
+                        faces.create_view(&TextureViewDescriptor {
+                            dimension: Some(TextureViewDimension::D2),
+                            base_array_layer: face,
+                            array_layer_count: Some(1),
+                            ..Default::default()
+                        })
+                    });
+                    let side = faces.width();
+                    let work = Faces {
+                        views: views.collect(),
+                        depth: texture(
+                            self.device,
+                            "depth of a hemicube",
+                            UVec2::splat(side),
+                            1,
+                            TextureFormat::Depth32Float,
+                            TextureUsages::RENDER_ATTACHMENT,
+                        )
+                        .create_view(&Default::default()),
+                        side,
+                    };
+                    self.schedule_pass(effect, pass, None);
+                    self.filling(effect, pass, settings);
+                    self.push(effect, pass.entry, Work::Hemicube(raster, group, work));
+                }
+            }
+            return Ok(());
+        }
+        let (pipeline, layout) = self.pipelines.compute(&what);
+        for field in each {
+            let group = self.group(effect, pass, settings, &layout, field)?;
+            let beams = match pass.when {
+                When::EachBeam(beams) => self.beams(beams(plan.conditions, settings))?,
+                _ => Vec::new(),
+            };
+            let groups = match pass.over {
+                Over::Groups(count) => Some(count(&self.extent(settings))),
+                _ => None,
+            };
+            self.schedule_pass(effect, pass, field);
+            self.filling(effect, pass, settings);
+            let work = Work::Compute(Compute {
+                pipeline: pipeline.clone(),
+                group,
+                groups,
+                beams,
+            });
+            self.push(effect, pass.entry, work);
+        }
+        Ok(())
+    }
+
+    fn extent<'s>(&self, settings: &Settings<'s>) -> Extent<'s>
+    where
+        'p: 's,
+    {
+        Extent {
+            conditions: self.plan.conditions,
+            settings: *settings,
+            pixels: self.pixels,
+        }
+    }
+
+    /// Puts the next stage into the order of a tile's work, unless it runs before all tiles.
+    fn schedule_pass(&mut self, effect: &'static Effect, pass: &'static Pass, each: Option<Field>) {
+        let touched = Touched::by_pass(effect, pass, each);
+        let number = self.stages.len();
+        match pass.when {
+            When::Tile => self.schedule.tile(number, touched),
+            When::EachBeam(_) => self.schedule.each_beam(number, effect.name, touched),
+            When::Once | When::Until(_) => {}
+        }
+    }
+
+    /// Puts the next stage among those that fill what is kept, if it is one.
+    fn filling(&mut self, effect: &'static Effect, pass: &'static Pass, settings: &Settings) {
+        let number = self.stages.len();
+        let until = match pass.when {
+            When::Once => None,
+            When::Until(until) => Some(until),
+            _ => return,
+        };
+        if let (Some(until), Some(last)) = (until, self.fillings.last_mut())
+            && last.effect.name == effect.name
+            && last
+                .until
+                .as_ref()
+                .is_some_and(|(other, _)| std::ptr::eq(*other, until))
+        {
+            last.stages.push(number);
+            return;
+        }
+        self.fillings.push(Filling {
+            effect,
+            stages: vec![number],
+            until: until.map(|until| (until, settings.values.to_vec())),
+        });
+    }
+
+    /// The numbers of beams.
+    fn beams(&mut self, beams: Vec<crate::beam::Beam>) -> Result<Vec<usize>> {
+        let conditions = self.plan.conditions;
+        let casters = &self.scene.casters;
+        let Some(maps) = self.maps.as_mut() else {
+            // The plan checks that somebody draws them; whoever it is may have nothing to do.
+            return match beams.is_empty() {
+                true => Ok(Vec::new()),
+                false => Err(Error::failed(
+                    "an effect runs for each beam of light, and the effect that draws the shadow maps of beams does not run",
+                    "leave `shadow` in, or leave the other out with --without",
+                )),
+            };
+        };
+        Ok(beams
+            .iter()
+            .map(|beam| maps.number(conditions, casters, beam))
+            .collect())
+    }
+
+    /// Whether the device takes maps of that size.
+    fn checked(&self, settings: MapSettings) -> Result<MapSettings> {
+        let most = self.device.limits().max_texture_dimension_2d;
+        if settings.most > most {
+            return Err(Error::domain(
+                "shadow.resolution",
+                settings.most,
+                format!("16 to {most} on {}", self.device.adapter.name),
+                "set a lower one with --set shadow.resolution=N",
+            ));
+        }
+        Ok(settings)
+    }
+
+    fn faces(&mut self, effect: &'static Effect, side: u32) -> Result<Texture> {
+        self.store.faces(self.device, effect.name, side)
+    }
+
+    fn group(
+        &mut self,
+        effect: &'static Effect,
+        pass: &Pass,
+        settings: &Settings,
+        layout: &BindGroupLayout,
+        each: Option<Field>,
+    ) -> Result<BindGroup> {
+        enum Bound {
+            Buffer(Buffer),
+            View(TextureView),
+        }
+        let conditions = self.plan.conditions;
+        let extent = self.extent(settings);
+        let mut bound = Vec::with_capacity(pass.uses.len());
+        for resource in pass.uses {
+            let device = self.device;
+            let buffer = match resource {
+                Resource::Read(field) | Resource::Update(field) => self.field(*field).cloned(),
+                Resource::Each => each.and_then(|field| self.field(field).cloned()),
+                Resource::Use(product) | Resource::Make(product) => {
+                    let bytes = (product.bytes)(&extent);
+                    Some(self.store.product(
+                        device,
+                        conditions,
+                        self.scene.anchor,
+                        effect.name,
+                        product,
+                        settings,
+                        bytes,
+                    )?)
+                }
+                Resource::Numbers => {
+                    bound.push(Bound::View(self.numbers.create_view(&Default::default())));
+                    continue;
+                }
+                Resource::Faces => {
+                    let faces = self.store.faces(device, effect.name, 0)?;
+                    bound.push(Bound::View(faces.create_view(&TextureViewDescriptor {
+                        dimension: Some(TextureViewDimension::D2Array),
+                        ..Default::default()
+                    })));
+                    continue;
+                }
+                Resource::Knobs(knobs) => Some(device.filled(
+                    &format!("the knobs of {}", effect.name),
+                    &knob_bytes(&knobs(conditions, settings)),
+                    BufferUsages::UNIFORM,
+                )?),
+                Resource::Table(make) => Some(device.filled(
+                    &format!("the table of {}", effect.name),
+                    bytemuck::cast_slice(&make(conditions, settings)),
+                    BufferUsages::STORAGE,
+                )?),
+                Resource::Sky => {
+                    let sky = conditions.sky.as_ref();
+                    let table = sky.map_or_else(|| vec![0.0], |sky| sky.table());
+                    Some(device.filled(
+                        "the sky's table",
+                        bytemuck::cast_slice(&table),
+                        BufferUsages::STORAGE,
+                    )?)
+                }
+                _ => self.scene.buffer(device, conditions, resource)?,
+            };
+            let buffer = buffer.ok_or_else(|| {
+                Error::failed(
+                    format!("{}.{} names what is not there", effect.name, pass.entry),
+                    "mend the effect: `layer` goes with passes over fields",
+                )
+            })?;
+            bound.push(Bound::Buffer(buffer));
+        }
+        let entries: Vec<BindGroupEntry> = bound
+            .iter()
+            .zip(0..)
+            .map(|(bound, binding)| BindGroupEntry {
+                binding,
+                resource: match bound {
+                    Bound::Buffer(buffer) => buffer.as_entire_binding(),
+                    Bound::View(view) => BindingResource::TextureView(view),
+                },
+            })
+            .collect();
+        Ok(self.device.device.create_bind_group(&BindGroupDescriptor {
+            label: Some(pass.entry),
+            layout,
+            entries: &entries,
+        }))
+    }
+}
+
+/// Whether a filling makes something that is not there.
+pub fn is_needed(filling: &Filling, store: &Store) -> bool {
+    filling
+        .effect
+        .passes
+        .iter()
+        .flat_map(|pass| pass.uses)
+        .filter_map(Resource::product)
+        .filter(|product| product.life() == Life::Kept)
+        .any(|product| store.is_stale(filling.effect.name, product.name))
+}

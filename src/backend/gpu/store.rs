@@ -1,0 +1,201 @@
+//! Buffers that outlive a plan: fields and products, kept while the plans that follow name them.
+
+use super::device::Device;
+use super::draw::texture;
+use crate::conditions::{Conditions, Snapshot};
+use crate::effect::{Life, Product, Settings};
+use crate::error::{Error, Result};
+use glam::{DVec3, UVec2};
+use std::collections::HashMap;
+use wgpu::*;
+
+/// A buffer, and whether the present plan names it.
+struct Held {
+    buffer: Buffer,
+    usage: BufferUsages,
+    named: bool,
+}
+
+/// What a kept product was made of.
+struct MadeOf {
+    snapshot: Snapshot,
+    settings: Vec<(&'static str, f64)>,
+    anchor: DVec3,
+}
+
+struct HeldProduct {
+    held: Held,
+    product: Product,
+    /// Absent: it is not made yet.
+    made_of: Option<MadeOf>,
+    /// What it would be made of now.
+    now: Option<MadeOf>,
+}
+
+/// Fields by their names, products by effect and name.
+#[derive(Default)]
+pub struct Store {
+    buffers: HashMap<&'static str, Held>,
+    products: HashMap<(&'static str, &'static str), HeldProduct>,
+    faces: HashMap<&'static str, (Texture, bool)>,
+}
+
+impl Store {
+    /// A new plan begins to name what it needs.
+    pub fn begin(&mut self) {
+        self.buffers
+            .values_mut()
+            .for_each(|held| held.named = false);
+        self.products
+            .values_mut()
+            .for_each(|product| product.held.named = false);
+        self.faces
+            .values_mut()
+            .for_each(|(_, named)| *named = false);
+    }
+
+    /// Drops what the plan did not name.
+    pub fn finish(&mut self) {
+        self.buffers.retain(|_, held| held.named);
+        self.products.retain(|_, product| product.held.named);
+        self.faces.retain(|_, (_, named)| *named);
+    }
+
+    /// A buffer of at least that size, the one of that name if it fits.
+    pub fn buffer(
+        &mut self,
+        device: &Device,
+        name: &'static str,
+        bytes: u64,
+        usage: BufferUsages,
+    ) -> Result<Buffer> {
+        if let Some(held) = self.buffers.get_mut(name)
+            && fits(&held.buffer, bytes)
+            && held.usage == usage
+        {
+            held.named = true;
+            return Ok(held.buffer.clone());
+        }
+        let buffer = device.buffer(name, bytes, usage)?;
+        let held = Held {
+            buffer: buffer.clone(),
+            usage,
+            named: true,
+        };
+        self.buffers.insert(name, held);
+        Ok(buffer)
+    }
+
+    /// The buffer of a product.
+    #[allow(clippy::too_many_arguments)] // all of them decide whether what is there still holds
+    pub fn product(
+        &mut self,
+        device: &Device,
+        conditions: &Conditions,
+        anchor: DVec3,
+        effect: &'static str,
+        product: &Product,
+        settings: &Settings<'_>,
+        bytes: u64,
+    ) -> Result<Buffer> {
+        let key = (effect, product.name);
+        let kept = product.life() == Life::Kept;
+        let now = kept.then(|| MadeOf {
+            snapshot: conditions.snapshot(product.reads),
+            settings: settings.values.to_vec(),
+            anchor,
+        });
+        if let Some(known) = self.products.get_mut(&key)
+            && fits(&known.held.buffer, bytes)
+        {
+            known.held.named = true;
+            let holds = known.made_of.as_ref().is_some_and(|made| {
+                made.anchor == anchor
+                    && made.settings == settings.values
+                    && made.snapshot.still_holds(conditions, product.reads)
+            });
+            if !holds {
+                known.made_of = None;
+            }
+            known.now = now;
+            return Ok(known.held.buffer.clone());
+        }
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let buffer = device.buffer(product.name, bytes, usage)?;
+        let held = HeldProduct {
+            held: Held {
+                buffer: buffer.clone(),
+                usage,
+                named: true,
+            },
+            product: *product,
+            made_of: None,
+            now,
+        };
+        self.products.insert(key, held);
+        Ok(buffer)
+    }
+
+    /// Whether a kept product must be made.
+    pub fn is_stale(&self, effect: &str, name: &str) -> bool {
+        let mut products = self.products.iter();
+        let found = products.find(|((e, n), _)| *e == effect && *n == name);
+        found.is_some_and(|(_, product)| product.made_of.is_none())
+    }
+
+    /// Lets all kept products be made again.
+    pub fn forget(&mut self) {
+        self.products.values_mut().for_each(|p| p.made_of = None);
+    }
+
+    /// Says that the kept products of an effect are made; their names.
+    pub fn made(&mut self, effect: &str) -> Vec<&'static str> {
+        let of_it = self.products.iter_mut().filter(|((e, _), _)| *e == effect);
+        of_it
+            .filter_map(|((_, name), product)| {
+                product.made_of = Some(product.now.take()?);
+                Some(*name)
+            })
+            .collect()
+    }
+
+    /// The buffer of a product that the plan names.
+    pub fn buffer_of(&self, effect: &'static str, name: &'static str) -> Option<&Buffer> {
+        self.products.get(&(effect, name)).map(|p| &p.held.buffer)
+    }
+
+    /// The buffers of products of such a life that begin as zeros: of kept ones those that are to be made.
+    pub fn zeroed(&self, life: Life) -> impl Iterator<Item = &Buffer> {
+        let products = self.products.values();
+        products
+            .filter(move |p| p.product.zeroed && p.product.life() == life && p.made_of.is_none())
+            .map(|p| &p.held.buffer)
+    }
+
+    /// The faces of an effect's hemicube, of so many texels on a side; 0: those that it has.
+    pub fn faces(&mut self, device: &Device, effect: &'static str, side: u32) -> Result<Texture> {
+        if let Some((faces, named)) = self.faces.get_mut(effect)
+            && (side == 0 || faces.width() == side)
+        {
+            *named = true;
+            return Ok(faces.clone());
+        }
+        let most = device.limits().max_texture_dimension_2d;
+        if side == 0 || side > most {
+            return Err(Error::failed(
+                format!("a hemicube of {side} texels on a side cannot be drawn"),
+                format!("draw it before it is read, with 1 to {most} texels"),
+            ));
+        }
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+        let format = TextureFormat::R32Uint;
+        let faces = texture(device, "hemicube", UVec2::splat(side), 5, format, usage);
+        self.faces.insert(effect, (faces.clone(), true));
+        Ok(faces)
+    }
+}
+
+/// Whether a buffer is large enough, and not so large that most of it would lie idle.
+fn fits(buffer: &Buffer, bytes: u64) -> bool {
+    buffer.size() >= bytes && buffer.size() <= 2 * bytes.max(4096)
+}

@@ -1,0 +1,102 @@
+//! From where a scene is looked at: the pixels of a camera, or points whose illuminance is wanted.
+
+use crate::scene::{Camera, Projection};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+/// What light is computed for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// The camera. Of points it is a panorama from their middle: where precision is centred and shadow maps are finest.
+    pub camera: Camera,
+    /// Where the camera comes from, in words; empty when nobody chose it and it frames the bounds.
+    pub chosen: String,
+    /// Width and height of the picture [pixels]. Points fill it row by row; what is left of the last row stays black.
+    pub size: [u32; 2],
+    /// Rays through pixels that differ from their neighbours; 1: one through each centre.
+    pub samples: u32,
+    /// What receives the light.
+    pub receivers: Receivers,
+}
+
+/// What receives light.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Receivers {
+    /// The camera's pixels: layers are luminances [cd/m2].
+    Pixels,
+    /// Points with normals: layers are illuminances [lx]. Only light that surfaces receive is computed.
+    Points(Arc<[Receiver]>),
+}
+
+/// A point that receives light on one side, as a light meter does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Receiver {
+    /// Where it is [m], scene axes.
+    pub position: DVec3,
+    /// Unit vector toward the side that receives.
+    pub normal: DVec3,
+}
+
+impl View {
+    /// The most points in a row of the picture that they fill.
+    const ROW: u32 = 512;
+
+    /// Points as receivers, in their order; at least one.
+    pub fn of_points(points: impl Into<Arc<[Receiver]>>) -> Self {
+        let points: Arc<[Receiver]> = points.into();
+        let count = points.len().max(1) as u32;
+        let (low, high) = points
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+                (low.min(p.position), high.max(p.position))
+            });
+        let eye = if points.is_empty() {
+            DVec3::ZERO
+        } else {
+            0.5 * (low + high)
+        };
+        let width = count.min(Self::ROW);
+        View {
+            camera: Camera {
+                eye,
+                forward: DVec3::NEG_Z,
+                up: DVec3::Y,
+                projection: Projection::Panorama,
+                shift: DVec2::ZERO,
+            },
+            chosen: format!("{} points", points.len()),
+            size: [width, count.div_ceil(width)],
+            samples: 1,
+            receivers: Receivers::Points(points),
+        }
+    }
+
+    /// The points that receive, if it is they.
+    pub fn points(&self) -> Option<&[Receiver]> {
+        match &self.receivers {
+            Receivers::Pixels => None,
+            Receivers::Points(points) => Some(points),
+        }
+    }
+
+    /// The point whose illuminance a pixel holds.
+    pub fn point(&self, pixel: glam::UVec2) -> Option<&Receiver> {
+        let index = pixel.y * self.size[0] + pixel.x;
+        self.points()?.get(index as usize)
+    }
+
+    /// The ray through a position on the picture [pixels from its upper left corner]; of points, the way from their middle to
+    /// the point that the pixel holds.
+    pub fn ray(&self, position: DVec2) -> crate::scene::Ray {
+        let camera = self.camera.ray(position, self.size);
+        match self.point(position.as_uvec2()) {
+            None => camera,
+            Some(point) => crate::scene::Ray {
+                origin: self.camera.eye,
+                direction: (point.position - self.camera.eye)
+                    .try_normalize()
+                    .unwrap_or(camera.direction),
+            },
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! A batch of rays and what effects have found on them.
+
+use crate::conditions::Receiver;
+use crate::frame::Field;
+use crate::scene::Ray;
+use glam::{DVec3, UVec2};
+
+/// What a ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// What it belongs to.
+    pub source: Source,
+    /// Distance along the ray [m]; infinite where nothing is met.
+    pub distance: f64,
+    /// Position [m].
+    pub position: DVec3,
+    /// Unit normal that shading uses, on the eye's side.
+    pub normal: DVec3,
+    /// Unit normal of the triangle itself, on the eye's side.
+    pub facet: DVec3,
+    /// Reflectance in the working space, 0 to 1.
+    pub albedo: DVec3,
+}
+
+/// What a surface belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Source {
+    /// Nothing is met.
+    Nothing,
+    /// The endless ground plane.
+    Ground,
+    /// A triangle of the scene, with the weights of its second and third vertex.
+    Triangle(u32, [f64; 2]),
+    /// A point whose illuminance is wanted.
+    Receiver,
+}
+
+impl Surface {
+    /// What a ray that meets nothing has.
+    pub const NOTHING: Surface = Surface {
+        source: Source::Nothing,
+        distance: f64::INFINITY,
+        position: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        facet: DVec3::ZERO,
+        albedo: DVec3::ZERO,
+    };
+
+    /// A point that receives light, at a distance from the middle of all of them [m]: it sends on what it receives, so that its
+    /// luminance [cd/m2] is its illuminance [lx].
+    pub fn receiver(receiver: &Receiver, distance: f64) -> Surface {
+        Surface {
+            source: Source::Receiver,
+            distance,
+            position: receiver.position,
+            normal: receiver.normal,
+            facet: receiver.normal,
+            albedo: DVec3::splat(std::f64::consts::PI),
+        }
+    }
+
+    /// Whether something is met.
+    pub fn is_met(&self) -> bool {
+        self.source != Source::Nothing
+    }
+}
+
+/// A batch of rays and what the effects have found on them.
+pub struct Fields {
+    /// The rays.
+    pub rays: Vec<Ray>,
+    /// The pixel that each ray belongs to.
+    pub pixels: Vec<UVec2>,
+    /// [`Field::Surface`].
+    pub surfaces: Vec<Surface>,
+    values: [Option<Vec<DVec3>>; Field::COUNT],
+}
+
+impl Fields {
+    /// A batch with room for the fields that its effects write, and no other.
+    pub fn new(rays: Vec<Ray>, pixels: Vec<UVec2>, written: &[Field]) -> Self {
+        let count = rays.len();
+        let mut fields = Fields {
+            rays,
+            pixels,
+            surfaces: Vec::new(),
+            values: Default::default(),
+        };
+        for &field in written {
+            match field {
+                Field::Surface => fields.surfaces = vec![Surface::NOTHING; count],
+                Field::Transmittance => {
+                    fields.values[field as usize] = Some(vec![DVec3::ONE; count])
+                }
+                _ => fields.values[field as usize] = Some(vec![DVec3::ZERO; count]),
+            }
+        }
+        fields
+    }
+
+    /// The values of a field, one a ray; `None` when no effect of the plan writes it.
+    pub fn get(&self, field: Field) -> Option<&[DVec3]> {
+        self.values[field as usize].as_deref()
+    }
+
+    /// Sets every value of a field to what `value` makes of the ray, the pixel, the surface and the present value.
+    pub fn update(
+        &mut self,
+        field: Field,
+        mut value: impl FnMut(&Ray, UVec2, &Surface, DVec3) -> DVec3,
+    ) {
+        let Some(values) = self.values[field as usize].as_mut() else {
+            return;
+        };
+        for (i, present) in values.iter_mut().enumerate() {
+            *present = value(&self.rays[i], self.pixels[i], &self.surfaces[i], *present);
+        }
+    }
+
+    /// Puts values in the place of a field's, one a ray, as a backend does with what others have found.
+    pub(crate) fn put(&mut self, field: Field, found: Vec<DVec3>) {
+        self.values[field as usize] = Some(found);
+    }
+
+    /// Multiplies one field by another.
+    pub fn multiply(&mut self, field: Field, by: Field) {
+        let Some(factors) = self.values[by as usize].take() else {
+            return;
+        };
+        if let Some(values) = self.values[field as usize].as_mut() {
+            for (value, factor) in values.iter_mut().zip(&factors) {
+                *value *= *factor;
+            }
+        }
+        self.values[by as usize] = Some(factors);
+    }
+}

@@ -1,0 +1,79 @@
+//! What effects keep on the CPU: solutions that are found once and serve until what they were made of changes.
+
+use super::Settings;
+use crate::conditions::{Conditions, Input, Snapshot};
+use std::any::Any;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A result that the reference of an effect keeps.
+pub struct Keep {
+    /// What it is.
+    pub name: &'static str,
+    /// What it is made of, beside the effect's knobs. [`Input::Tile`] and [`Input::Beam`] mean nothing here.
+    pub reads: &'static [Input],
+}
+
+struct Entry {
+    name: &'static str,
+    settings: Vec<(&'static str, f64)>,
+    made_of: Snapshot,
+    value: Arc<dyn Any + Send + Sync>,
+}
+
+/// Results kept from frame to frame, one of each name. Whoever renders many frames holds on to one of these.
+#[derive(Default)]
+pub struct Kept {
+    entries: Mutex<Vec<Entry>>,
+    made: Mutex<Vec<&'static str>>,
+}
+
+impl Kept {
+    /// The kept result, if nothing that it was made of has changed; else `make` makes it anew, and it takes the old one's place.
+    pub fn get<T: Any + Send + Sync>(
+        &self,
+        keep: &Keep,
+        conditions: &Conditions,
+        settings: &Settings<'_>,
+        make: impl FnOnce() -> T,
+    ) -> Arc<T> {
+        let lock = || self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock().iter().find_map(|entry| {
+            let same = entry.name == keep.name
+                && entry.settings == settings.values
+                && entry.made_of.still_holds(conditions, keep.reads);
+            same.then(|| entry.value.clone())
+        });
+        if let Some(value) = known.and_then(|value| value.downcast::<T>().ok()) {
+            return value;
+        }
+        // Not locked, so that what takes long does not keep others waiting.
+        let value = Arc::new(make());
+        let mut entries = lock();
+        entries.retain(|entry| entry.name != keep.name);
+        entries.push(Entry {
+            name: keep.name,
+            settings: settings.values.to_vec(),
+            made_of: conditions.snapshot(keep.reads),
+            value: value.clone(),
+        });
+        drop(entries);
+        self.made
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(keep.name);
+        value
+    }
+
+    /// What was made since the last call, by name.
+    pub fn take_made(&self) -> Vec<&'static str> {
+        std::mem::take(&mut self.made.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Drops everything.
+    pub fn forget(&self) {
+        self.entries
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clear();
+    }
+}

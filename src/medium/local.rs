@@ -1,0 +1,206 @@
+//! Light of a local beam scattered once toward the eye along one ray.
+//!
+//! L = I integral of sum_i sigma_s,i(t) p_i(mu(t)) e^-(tau_eye + tau_beam) / d(t)^2 dt over the lit part of the ray, d the distance
+//! to where the light comes from. With h its distance from the ray, t_0 its foot on it and t = t_0 + h tan(theta),
+//! dt / d^2 = d theta / h: in theta there is no peak however near the light is (Nishita, Miyawaki & Nakamae 1987; Pegoraro & Parker
+//! 2009). Between the faces of media the integrand is smooth; Gauss-Legendre quadrature on parts that are halved until they agree.
+
+use super::exponential::gauss;
+use super::{Air, FARTHEST, Medium, Shape};
+use glam::DVec3;
+
+/// Parts whose halves agree this well are not halved any more.
+const TOLERANCE: f64 = 1e-9;
+
+/// A part is halved at most so often.
+const HALVINGS: u32 = 24;
+
+/// A ray under a local beam.
+#[derive(Debug, Clone)]
+pub(super) struct LocalScattering {
+    air: Air,
+    origin: DVec3,
+    direction: DVec3,
+    position: DVec3,
+    /// Distance along the ray of the foot of `position`, and how far that is from the ray [m].
+    foot: f64,
+    aside: f64,
+    /// Where the ray enters or leaves a medium [m].
+    borders: Vec<f64>,
+}
+
+impl LocalScattering {
+    pub fn new(
+        air: &Air,
+        origin: DVec3,
+        direction: DVec3,
+        distance: f64,
+        position: DVec3,
+        radius: f64,
+    ) -> Self {
+        let foot = (position - origin).dot(direction);
+        let aside = (position - origin).cross(direction).length();
+        let mut borders: Vec<f64> = air
+            .media
+            .iter()
+            .filter_map(|medium| air.region(medium))
+            .flat_map(|region| {
+                let (enter, leave) = region.chord(origin, direction);
+                [enter, leave]
+            })
+            .filter(|t| (0.0..=distance).contains(t))
+            .collect();
+        borders.sort_unstable_by(f64::total_cmp);
+        LocalScattering {
+            air: air.clone(),
+            origin,
+            direction,
+            position,
+            foot,
+            // Light that a ray goes through comes from a cell of some size; from a point it would be without bounds.
+            aside: aside.max(radius).max(1e-9 * (1.0 + foot.abs())),
+            borders,
+        }
+    }
+
+    /// The integral over the lit part [from, to] of the ray [1/(m2 sr)]: times the luminous intensity it is luminance.
+    pub fn integrate(&self, from: f64, to: f64) -> DVec3 {
+        let to = to.min(FARTHEST);
+        let inner = self.borders.iter().filter(|t| (from..to).contains(*t));
+        let ends: Vec<f64> = std::iter::once(from)
+            .chain(inner.copied())
+            .chain(std::iter::once(to))
+            .collect();
+        ends.windows(2)
+            .filter(|pair| pair[1] > pair[0])
+            .map(|pair| self.part(pair[0], pair[1]))
+            .sum()
+    }
+
+    fn part(&self, from: f64, to: f64) -> DVec3 {
+        let angle = |t: f64| (t - self.foot).atan2(self.aside);
+        let middle = 0.5 * (from + to);
+        let value = |theta: f64| {
+            let t = (self.foot + self.aside * theta.tan()).clamp(from, to);
+            self.scattered(t, middle) / self.aside
+        };
+        let whole = |a: f64, b: f64| gauss(a, b, &value);
+        let mut sum = DVec3::ZERO;
+        let (first, last) = (angle(from), angle(to));
+        let mut parts = vec![(first, last, whole(first, last), HALVINGS)];
+        while let Some((a, b, found, halvings)) = parts.pop() {
+            let m = 0.5 * (a + b);
+            let (left, right) = (whole(a, m), whole(m, b));
+            let finer = left + right;
+            let off = (finer - found).abs().max_element();
+            if halvings == 0 || off <= TOLERANCE * finer.abs().max_element().max(sum.max_element())
+            {
+                sum += finer;
+            } else {
+                parts.push((a, m, left, halvings - 1));
+                parts.push((m, b, right, halvings - 1));
+            }
+        }
+        sum
+    }
+
+    /// What the media send from a place of the ray, in a part of the ray whose middle says which of them are there [1/(m sr)].
+    fn scattered(&self, t: f64, middle: f64) -> DVec3 {
+        let point = self.origin + t * self.direction;
+        let way = self.position - point;
+        let distance = way.length();
+        let toward = way.try_normalize().unwrap_or(DVec3::Y);
+        let one_minus_mu = 0.5 * (self.direction - toward).length_squared();
+        let among = self.origin + middle * self.direction;
+        let source: DVec3 = self
+            .air
+            .media
+            .iter()
+            .map(|medium| {
+                medium.scattering
+                    * medium.phase.value(one_minus_mu)
+                    * self.density(medium, point, among)
+            })
+            .sum();
+        let depth = self.air.optical_depth(self.origin, self.direction, t)
+            + self.air.optical_depth(point, toward, distance);
+        source * (-depth).exp()
+    }
+
+    /// Of a medium at a point [1], relative to where its coefficients are those given.
+    fn density(&self, medium: &Medium, point: DVec3, among: DVec3) -> f64 {
+        match (self.air.region(medium), medium.shape) {
+            (Some(region), _) => {
+                let inside = among.cmpge(region.min).all() && among.cmple(region.max).all();
+                f64::from(u8::from(inside))
+            }
+            (
+                None,
+                Shape::Height {
+                    base, scale_height, ..
+                }
+                | Shape::Air {
+                    base, scale_height, ..
+                },
+            ) => (-(point.y - base) / scale_height).exp(),
+            (None, _) => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::Beam;
+    use crate::medium::{Phase, Scattering};
+    use std::f64::consts::PI;
+
+    fn cube(scattering: f64, absorption: f64) -> Air {
+        Air {
+            media: vec![Medium {
+                shape: Shape::Box {
+                    min: DVec3::splat(-50.0),
+                    max: DVec3::splat(50.0),
+                },
+                scattering: DVec3::splat(scattering),
+                absorption: DVec3::splat(absorption),
+                phase: Phase::Isotropic,
+            }],
+            ground: -50.0,
+        }
+    }
+
+    #[test]
+    fn in_thin_isotropic_air_it_is_the_angle_that_the_lamp_sees() {
+        // L = sigma I / (4 pi) (theta_2 - theta_1) / h.
+        let air = cube(1e-9, 0.0);
+        for (aside, from, to) in [(3.0, 0.0, 20.0), (1e-4, 1.0, 30.0), (7.0, 12.0, 13.0)] {
+            let lamp = DVec3::new(aside, 0.0, 10.0);
+            let beam = Beam::local(lamp, DVec3::ONE);
+            let found =
+                Scattering::new(&air, DVec3::ZERO, DVec3::Z, 40.0, &beam).integrate(from, to);
+            let angle = |t: f64| ((t - 10.0) / aside).atan();
+            let exact = 1e-9 / (4.0 * PI) * (angle(to) - angle(from)) / aside;
+            assert!(
+                (found.x / exact - 1.0).abs() < 1e-6,
+                "{aside}: {} {exact}",
+                found.x
+            );
+        }
+    }
+
+    #[test]
+    fn a_far_lamp_in_front_of_the_fog_is_a_sun() {
+        // Compared before the fog, since the way from a far lamp through it is that of parallel light.
+        let mut air = cube(0.02, 0.005);
+        air.media[0].phase = Phase::HenyeyGreenstein { g: 0.5 };
+        let toward = DVec3::new(0.6, 0.64, 0.48);
+        let far = 1e7;
+        let (origin, direction) = (DVec3::new(-3.0, 1.0, -20.0), DVec3::new(0.0, 0.6, 0.8));
+        let of =
+            |beam: &Beam| Scattering::new(&air, origin, direction, 30.0, beam).integrate(2.0, 30.0);
+        let sun = of(&Beam::parallel(toward, DVec3::ONE));
+        let lamp = of(&Beam::local(far * toward, DVec3::ONE)) * far * far;
+        assert!((lamp.x / sun.x - 1.0).abs() < 1e-5, "{} {}", lamp.x, sun.x);
+    }
+}

@@ -1,0 +1,148 @@
+//! Exact dark runs of a ray under light from a place near by: the fan.
+//!
+//! The ways from a lamp to the points of a ray fill a fan, a part of the plane that holds both. Every triangle that the plane
+//! cuts darkens exactly one interval of the ray: that onto which its cut is projected from the lamp. In the ray's frame, with the
+//! lamp at height Y over the place Z of the ray, a point at height y, 0 <= y < Y, over the place z shades t = (z Y - Z y) / (Y - y).
+//! On the cut this has no pole, so that the interval's ends are those of the cut.
+
+use super::Ray;
+use super::curtain::{Run, darken, solid_parts};
+use super::geometry::Geometry;
+use glam::{DMat3, DVec3};
+
+/// A lamp nearer to the ray than this share of the scene's diagonal lies on it.
+const ON_RAY: f64 = 1e-12;
+
+/// What is nearer to the lamp's height than this share of it shades the ray's ends.
+const BESIDE_LAMP: f64 = 1e-12;
+
+impl Geometry {
+    /// The runs of the first `far` metres of a ray that the light of a place does not reach, in order and apart from each other.
+    pub(super) fn fan(&self, ray: &Ray, far: f64, lamp: DVec3, dark: &mut Vec<Run>) {
+        let r = ray.direction;
+        let base = ray.origin - self.origin;
+        let way = lamp - ray.origin;
+        let along = way.dot(r);
+        let across = way - along * r;
+        let height = across.length();
+        if height <= ON_RAY * (self.extent + along.abs()) {
+            return self.along_ray(ray, far, along, dark);
+        }
+        let m = across / height;
+        let n = m.cross(r);
+        let to_frame = DMat3::from_cols(n, m, r).transpose();
+        let together = 1e-13 * (far.min(self.extent + base.length()) + self.extent);
+        let mut stack = vec![0u32];
+        while let Some(top) = stack.pop() {
+            let node = &self.nodes[top as usize];
+            // Boxes are in f32: nothing that the plane may cut is passed over.
+            let middle = node.middle.as_dvec3() - base;
+            let half = node.half.as_dvec3() + 1e-6 * (self.extent + base.length());
+            if n.dot(middle).abs() > n.abs().dot(half) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first, node.first + 1]);
+                continue;
+            }
+            for index in node.first..node.first + node.count {
+                let points = self.corners[index as usize].map(|p| to_frame * (p - base));
+                let lamp = [height, along];
+                self.shade(index as usize, &points, lamp, [0.0, far], together, dark);
+            }
+        }
+    }
+
+    /// Darkens what one triangle shades, its corners and the lamp (height and place) in the ray's frame (n, m, r).
+    fn shade(
+        &self,
+        index: usize,
+        points: &[DVec3; 3],
+        [height, along]: [f64; 2],
+        span: Run,
+        together: f64,
+        dark: &mut Vec<Run>,
+    ) {
+        let below = points.map(|p| p.x < 0.0);
+        // The corner that lies alone on its side of the plane; its two edges are cut.
+        let alone = match below {
+            [a, b, c] if a == b && b == c => return,
+            [a, b, _] if a == b => 2,
+            [a, _, c] if a == c => 1,
+            _ => 0,
+        };
+        let cut = |other: usize| {
+            // From the lower to the upper side, so that both triangles of an edge find the same point.
+            let (lower, upper) = if below[alone] {
+                (alone, other)
+            } else {
+                (other, alone)
+            };
+            let (p, q) = (points[lower], points[upper]);
+            let f = p.x / (p.x - q.x);
+            (p.lerp(q, f), (lower, upper, f))
+        };
+        let (a, edge_a) = cut((alone + 1) % 3);
+        let (b, edge_b) = cut((alone + 2) % 3);
+        // The part of the cut between the ray and the lamp's height.
+        let (mut from, mut to) = (0.0f64, 1.0f64);
+        let rise = b.y - a.y;
+        let top = height * (1.0 - BESIDE_LAMP);
+        for (start, least) in [(a.y, true), (top - a.y, false)] {
+            let slope = if least { rise } else { -rise };
+            if slope == 0.0 {
+                if start < 0.0 {
+                    return;
+                }
+            } else if slope > 0.0 {
+                from = from.max(-start / slope);
+            } else {
+                to = to.min(-start / slope);
+            }
+        }
+        if from >= to {
+            return;
+        }
+        let shaded = |f: f64| {
+            let p = a.lerp(b, f);
+            let y = p.y.clamp(0.0, top);
+            (p.z * height - along * y) / (height - y)
+        };
+        match &self.cut_outs[index] {
+            None => darken(dark, shaded(from), shaded(to), span, together),
+            Some(cut_out) => {
+                let uv = |(lower, upper, f): (usize, usize, f64)| {
+                    cut_out.uvs[lower].lerp(cut_out.uvs[upper], f)
+                };
+                let (first, last) = (uv(edge_a), uv(edge_b));
+                let (first, last) = (first.lerp(last, from), first.lerp(last, to));
+                solid_parts(self, cut_out, first, last, |p, q| {
+                    let at = |f: f64| shaded(from + f * (to - from));
+                    darken(dark, at(p), at(q), span, together);
+                });
+            }
+        }
+    }
+
+    /// The dark runs of a ray on which the lamp itself lies: all before the last thing before it, and behind the first behind it.
+    fn along_ray(&self, ray: &Ray, far: f64, lamp: f64, dark: &mut Vec<Run>) {
+        let at = ray.at(lamp);
+        let back = Ray {
+            origin: at,
+            direction: -ray.direction,
+        };
+        if let Some(hit) = self.closest(&back, 0.0, lamp.max(0.0)) {
+            dark.push([0.0, (lamp - hit.distance).min(far)]);
+        }
+        let ahead = Ray {
+            origin: at,
+            direction: ray.direction,
+        };
+        if let Some(hit) = self.closest(&ahead, 0.0, f64::INFINITY)
+            && lamp + hit.distance < far
+        {
+            dark.push([(lamp + hit.distance).max(0.0), far]);
+        }
+        dark.retain(|[from, to]| to > from);
+    }
+}
