@@ -1,7 +1,8 @@
 //! `tyndall plan`: which effects a scene calls for, and why not the others.
 
-use crate::scene_args::{PlanArgs, SceneArgs};
-use crate::{stdout, tell};
+use crate::arguments::scene::{PlanArgs, SceneArgs};
+use crate::tables::stdout;
+use crate::tell;
 use clap::Args;
 use serde_json::json;
 use tyndall::Result;

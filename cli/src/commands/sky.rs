@@ -1,10 +1,12 @@
 //! `tyndall sky`: the sky alone, as an environment map or in numbers.
 
+use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
+use crate::arguments::scene as scene_args;
 use crate::backend::{Backend, BackendFlag};
-use crate::batch::Form;
-use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
-use crate::render::{self, Exposure};
-use crate::{scene_args, sky_batch, stdout};
+use crate::commands::render::{self, Exposure};
+use crate::tables::batch::Form;
+use crate::tables::sky_batch;
+use crate::tables::stdout;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use serde_json::{Value, json};

@@ -1,6 +1,6 @@
 //! `tyndall doctor`: what this machine offers, and what to install.
 
-use crate::stdout;
+use crate::tables::stdout;
 use std::fmt::Write;
 use tyndall::ephemeris::civil::tz_database;
 use tyndall::gpu::adapters::{self, Adapter, Report};

@@ -6,8 +6,8 @@ use tyndall::Result;
 use tyndall::ephemeris::civil::{self, Reading};
 use tyndall::ephemeris::{Air, Site, SunPosition, sun_position};
 
-use crate::batch::{Batch, Form, Row};
-use crate::sun::{SunArgs, columns};
+use crate::commands::sun::{SunArgs, columns};
+use crate::tables::batch::{Batch, Form, Row};
 
 const BATCH: Batch = Batch {
     known: &[

@@ -1,6 +1,6 @@
 //! `tyndall completions` and `tyndall man`: made from the definitions that the command line itself is read with.
 
-use crate::stdout;
+use crate::tables::stdout;
 use clap::{Args, Command};
 use clap_complete::Shell;
 use std::path::PathBuf;

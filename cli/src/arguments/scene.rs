@@ -1,6 +1,6 @@
 //! The flags that say what is to be seen, shared by every command that takes a scene.
 
-use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
+use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use clap::Args;
 use glam::DVec3;
 use std::path::PathBuf;

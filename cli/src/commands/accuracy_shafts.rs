@@ -1,9 +1,9 @@
 //! `tyndall accuracy --effect shafts`: what accuracy costs in the air, method by method.
 
-use crate::accuracy::{AccuracyArgs, Columns, columns, print};
-use crate::plot::{Axis, Plot, Point, Series};
-use crate::scene_args::{MethodFlag, SceneArgs, method, setting, size};
-use crate::stdout::Out;
+use crate::arguments::scene::{MethodFlag, SceneArgs, method, setting, size};
+use crate::commands::accuracy::{AccuracyArgs, Columns, columns, print};
+use crate::plots::plot::{Axis, Plot, Point, Series};
+use crate::tables::stdout::Out;
 use clap::Args;
 use glam::{DVec3, Vec3};
 use serde_json::json;

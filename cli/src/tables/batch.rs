@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use tyndall::{Error, Result};
 
-use crate::stdout;
+use crate::tables::stdout;
 
 /// What a batch reads and adds. Names of columns are read in any case.
 pub struct Batch {

@@ -15,9 +15,11 @@ use tyndall::ephemeris::{
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
-use crate::place_time::{self, PlaceArgs, TimeArgs};
-use crate::time_text::{time_text, write_time};
-use crate::{stdout, sun_batch, sun_path};
+use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
+use crate::plots::sun_path;
+use crate::tables::stdout;
+use crate::tables::sun_batch;
+use crate::tables::time_text::{time_text, write_time};
 
 /// The flags of `tyndall sun`.
 #[derive(Args, Debug)]

@@ -5,8 +5,8 @@ use serde_json::{Map, Value, json};
 use tyndall::studies::{ephemeris, sky};
 use tyndall::{Error, Result};
 
-use crate::accuracy_shafts;
-use crate::stdout::{self, Out};
+use crate::commands::accuracy_shafts;
+use crate::tables::stdout::{self, Out};
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]

@@ -1,8 +1,10 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
+use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::backend::{self, Backend, BackendFlag, Done};
-use crate::scene_args::{PlanArgs, SceneArgs};
-use crate::{choose, stdout, tell};
+use crate::choose;
+use crate::tables::stdout;
+use crate::tell;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;

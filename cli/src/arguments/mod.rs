@@ -1,0 +1,4 @@
+//! The flags that several commands share, and what their values mean.
+
+pub mod place_time;
+pub mod scene;

@@ -1,0 +1,7 @@
+//! Rows in and out: what is printed on standard output, and tables that are read.
+
+pub mod batch;
+pub mod sky_batch;
+pub mod stdout;
+pub mod sun_batch;
+pub mod time_text;
