@@ -1,8 +1,9 @@
 //! `tyndall accuracy --effect shafts`: what accuracy costs in the air, method by method.
 
+use crate::arguments::form::FormArgs;
 use crate::arguments::scene::{MethodFlag, SceneArgs, method, setting, size};
-use crate::commands::accuracy::{AccuracyArgs, Columns, columns, print};
 use crate::plots::plot::{Axis, Plot, Point, Series};
+use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
 use clap::Args;
 use glam::{DVec3, Vec3};
@@ -60,8 +61,7 @@ struct Study {
 }
 
 /// Runs the study.
-pub fn run(args: &AccuracyArgs) -> Result<()> {
-    let flags = &args.shafts;
+pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
     let report = adapters::report();
     let choice = match adapters::automatic(&report) {
         Some(_) => Choice::Hardware,
@@ -123,7 +123,7 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
         .iter()
         .flat_map(|study| rows(study, &adapter))
         .collect();
-    print(args, rows, |out| {
+    print(form, rows, |out| {
         table(out, &studies, &adapter, flags.frames)
     })
 }

@@ -1,5 +1,6 @@
 //! `tyndall plan`: which effects a scene calls for, and why not the others.
 
+use crate::arguments::form::FormArgs;
 use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::tables::stdout;
 use crate::tell;
@@ -17,12 +18,8 @@ pub struct PlanCommand {
     scene: SceneArgs,
     #[command(flatten)]
     plan: PlanArgs,
-    /// Print JSON
-    #[arg(long, conflicts_with = "csv")]
-    json: bool,
-    /// Print CSV
-    #[arg(long)]
-    csv: bool,
+    #[command(flatten)]
+    form: FormArgs,
 }
 
 /// Plans.
@@ -35,7 +32,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         let found = seconds.iter().find(|s| s.effect == step.effect.name);
         found.map(|s| s.time.as_secs_f64())
     };
-    if args.json {
+    if args.form.json {
         let mut steps = tell::plan_json(&plan);
         if let Some(list) = steps.as_array_mut() {
             for (entry, step) in list.iter_mut().zip(&plan.steps) {
@@ -76,7 +73,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         .collect();
     let header = ["effect", "", "adds at most [cd/m2]", "predicted", "why"].map(str::to_owned);
     let mut text = String::new();
-    if args.csv {
+    if args.form.csv {
         let quote = |cell: &String| format!("\"{}\"", cell.replace('"', "\"\""));
         for row in std::iter::once(&header).chain(&rows) {
             text += &(row.iter().map(quote).collect::<Vec<_>>().join(",") + "\n");

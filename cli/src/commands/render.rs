@@ -1,5 +1,6 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
+use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
 use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::backend::{self, Backend, BackendFlag, Done};
 use crate::choose;
@@ -16,7 +17,7 @@ use tyndall::colour::{Space, display, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
-use tyndall::output::{self, Format, OutputSpace};
+use tyndall::output::{self, Format};
 use tyndall::plan::{Overrules, Plan, Quality};
 
 /// Make a picture for a place, a date and a time
@@ -56,12 +57,6 @@ pub struct RenderArgs {
     /// The most memory that the picture may take, in GiB
     #[arg(long, value_name = "GIB", default_value_t = 8.0)]
     max_memory: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub enum Exposure {
-    Auto,
-    Ev100(f64),
 }
 
 /// Renders.
@@ -205,28 +200,6 @@ fn report(
         "check": check,
         "files": files,
     })
-}
-
-pub fn output_space(space: Space) -> OutputSpace {
-    let c = space.chromaticities();
-    OutputSpace {
-        name: space.name(),
-        from_working: space.from_working(),
-        primaries: [c.red, c.green, c.blue].map(Into::into),
-        white: c.white.into(),
-    }
-}
-
-pub fn exposure_flag(text: &str) -> Result<Exposure, String> {
-    match text.parse::<f64>() {
-        _ if text == "auto" => Ok(Exposure::Auto),
-        Ok(ev) if (-20.0..=40.0).contains(&ev) => Ok(Exposure::Ev100(ev)),
-        _ => Err("auto, or an EV100 from -20 to 40, was expected".into()),
-    }
-}
-
-pub fn space(text: &str) -> Result<Space, String> {
-    text.parse().map_err(|e: tyndall::Error| e.remedy())
 }
 
 fn share(text: &str) -> Result<f64, String> {

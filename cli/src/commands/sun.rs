@@ -15,10 +15,13 @@ use tyndall::ephemeris::{
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
+use crate::arguments::form::FormArgs;
 use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
 use crate::plots::sun_path;
+use crate::tables::batch;
 use crate::tables::stdout;
 use crate::tables::sun_batch;
+use crate::tables::sun_columns::columns;
 use crate::tables::time_text::{time_text, write_time};
 
 /// The flags of `tyndall sun`.
@@ -36,9 +39,9 @@ pub struct SunArgs {
     #[command(flatten)]
     place: PlaceArgs,
     #[command(flatten)]
-    pub(crate) time: TimeArgs,
+    time: TimeArgs,
     #[command(flatten)]
-    pub(crate) sun: place_time::SunArgs,
+    sun: place_time::SunArgs,
     /// The end of a range that begins at --time; it is not in the table itself
     #[arg(
         long,
@@ -55,25 +58,25 @@ pub struct SunArgs {
     horizon: f64,
     /// A CSV of time, latitude, longitude, elevation (and pressure, temperature, delta_t), one position a row; - is stdin
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "time", "step", "plot"])]
-    pub(crate) batch: Option<PathBuf>,
+    batch: Option<PathBuf>,
     /// With --batch: stop at the first broken row, and print nothing
     #[arg(long, requires = "batch")]
-    pub(crate) strict: bool,
+    strict: bool,
     /// Draw the sun's paths over the year, stereographic and cartesian, as .svg or .png (repeatable)
     #[arg(long, value_name = "FILE")]
     plot: Vec<PathBuf>,
-    /// Print JSON
-    #[arg(long, conflicts_with = "csv")]
-    pub(crate) json: bool,
-    /// Print CSV
-    #[arg(long)]
-    pub(crate) csv: bool,
+    #[command(flatten)]
+    form: FormArgs,
 }
 
 /// Runs `tyndall sun`.
 pub fn run(args: &SunArgs) -> Result<()> {
-    if args.batch.is_some() {
-        return sun_batch::run(args);
+    if let Some(path) = &args.batch {
+        let form = batch::Form {
+            json: args.form.json,
+            strict: args.strict,
+        };
+        return sun_batch::run(path, form, &args.time, &args.sun);
     }
     let site = args.place.at.ok_or_else(|| {
         Error::input(
@@ -191,23 +194,6 @@ fn step(text: &str) -> Result<TimeDelta, String> {
     Ok(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
 }
 
-/// The columns of a position, in degrees unless the name says otherwise; the first seven are those of a batch.
-pub fn columns(sun: &SunPosition) -> [(&'static str, f64); 11] {
-    [
-        ("azimuth", sun.azimuth_deg()),
-        ("elevation_true", sun.elevation_true_deg()),
-        ("elevation_apparent", sun.elevation_apparent_deg()),
-        ("declination", sun.declination / DEG),
-        ("right_ascension", sun.right_ascension / DEG),
-        ("equation_of_time", sun.equation_of_time_minutes),
-        ("distance_au", sun.distance_au),
-        ("hour_angle", sun.hour_angle / DEG),
-        ("angular_radius", sun.angular_radius / DEG),
-        ("air_mass", sun.air_mass()),
-        ("irradiance_factor", sun.irradiance_factor),
-    ]
-}
-
 struct Context<'a> {
     args: &'a SunArgs,
     site: Site,
@@ -256,14 +242,14 @@ impl Context<'_> {
             tyndall::ephemeris::sun_position(self.tier(), &moment.instant, &self.site, &self.air);
         let time = civil::local_text(moment.local());
         let mut out = stdout::lock();
-        if self.args.csv {
+        if self.args.form.csv {
             let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
             out.line(&format!("time,{}", names.join(",")))?;
             out.line(&csv_row(&time_text(&moment.local()), &sun))?;
             return out.finish();
         }
         let events = self.events(moment.local().date_naive())?;
-        if self.args.json {
+        if self.args.form.json {
             let value = json!({
                 "time": time_text(&moment.local()),
                 "utc": moment.utc.to_rfc3339_opts(SecondsFormat::AutoSi, true),
@@ -366,12 +352,12 @@ impl Context<'_> {
         let events = self.events(date)?;
         let step = self.args.step.unwrap_or(TimeDelta::hours(1));
         let (start, end) = (events.span.0.to_utc(), events.span.1.to_utc());
-        if self.args.csv {
+        if self.args.form.csv {
             return self.range(start, end);
         }
         let rows = self.rows(start, end, step, 0..count(start, end, step))?;
         let mut out = stdout::lock();
-        if self.args.json {
+        if self.args.form.json {
             let positions: Vec<Value> = rows
                 .iter()
                 .map(|(utc, sun)| with_time(&self.time_text(*utc), sun))
@@ -405,7 +391,7 @@ impl Context<'_> {
         let step = self.args.step.unwrap_or(TimeDelta::hours(1));
         let count = count(start, end, step);
         let mut out = stdout::lock();
-        if self.args.csv {
+        if self.args.form.csv {
             let sun = tyndall::ephemeris::sun_position(
                 self.tier(),
                 &self.instant_at(start)?,
@@ -414,7 +400,7 @@ impl Context<'_> {
             );
             let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
             out.line(&format!("time,{}", names.join(",")))?;
-        } else if self.args.json {
+        } else if self.args.form.json {
             out.line("[")?;
         } else {
             out.line(&format!(
@@ -438,9 +424,9 @@ impl Context<'_> {
                     let rows = self.rows(start, end, step, from..to)?;
                     let mut text = Vec::with_capacity(rows.len() * 220);
                     for (i, (utc, sun)) in rows.iter().enumerate() {
-                        if self.args.csv {
+                        if self.args.form.csv {
                             self.write_csv(&mut text, *utc, sun);
-                        } else if self.args.json {
+                        } else if self.args.form.json {
                             let comma = if from + i as u64 + 1 < count { "," } else { "" };
                             let row = with_time(&self.time_text(*utc), sun);
                             let _ = writeln!(text, "{row}{comma}");
@@ -451,7 +437,7 @@ impl Context<'_> {
                     Ok(text)
                 })
                 .collect();
-            if first == 0 && !self.args.csv && !self.args.json {
+            if first == 0 && !self.args.form.csv && !self.args.form.json {
                 out.line(TABLE_HEAD)?;
             }
             for text in texts {
@@ -459,7 +445,7 @@ impl Context<'_> {
             }
             first += 8 * PIECE;
         }
-        if self.args.json {
+        if self.args.form.json {
             out.line("]")?;
         }
         out.finish()
