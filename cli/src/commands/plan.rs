@@ -2,6 +2,7 @@
 
 use crate::arguments::form::FormArgs;
 use crate::arguments::scene::{PlanArgs, SceneArgs};
+use crate::tables::rows::Rows;
 use crate::tables::stdout;
 use crate::tell;
 use clap::Args;
@@ -72,14 +73,14 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         })
         .collect();
     let header = ["effect", "", "adds at most [cd/m2]", "predicted", "why"].map(str::to_owned);
-    let mut text = String::new();
     if args.form.csv {
-        let quote = |cell: &String| format!("\"{}\"", cell.replace('"', "\"\""));
+        let mut csv = Rows::with_capacity(0);
         for row in std::iter::once(&header).chain(&rows) {
-            text += &(row.iter().map(quote).collect::<Vec<_>>().join(",") + "\n");
+            csv.row(row);
         }
-        return stdout::print(&text);
+        return stdout::print(csv.into_bytes());
     }
+    let mut text = String::new();
     let widths: Vec<usize> = (0..4)
         .map(|i| {
             let cells = std::iter::once(&header).chain(&rows);

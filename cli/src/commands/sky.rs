@@ -6,6 +6,7 @@ use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::arguments::scene::{pair, size};
 use crate::backend::{Backend, BackendFlag};
 use crate::tables::batch::Form;
+use crate::tables::columns::{self, Columns};
 use crate::tables::sky_batch;
 use crate::tables::stdout;
 use clap::{Args, ValueEnum};
@@ -130,15 +131,9 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     }
     let facts = facts(args, &subject);
     if args.form.json {
-        stdout::print_json(&facts.iter().cloned().collect::<serde_json::Map<_, _>>())?;
+        stdout::print_json(&facts)?;
     } else if args.form.csv {
-        let text = |v: &Value| {
-            v.as_str()
-                .map_or(v.to_string(), |s| format!("\"{}\"", s.replace('"', "\"\"")))
-        };
-        let join = |cells: Vec<String>| cells.join(",") + "\n";
-        let names = join(facts.iter().map(|(name, _)| name.clone()).collect());
-        stdout::print(&(names + &join(facts.iter().map(|(_, v)| text(v)).collect())))?;
+        stdout::print(columns::csv(&[facts]))?;
     } else {
         let mut text = String::new();
         for (name, value) in &facts {
@@ -303,7 +298,7 @@ fn subject(args: &SkyArgs) -> Result<Subject> {
 }
 
 /// What is printed: names with values; no number where there is none.
-fn facts(args: &SkyArgs, subject: &Subject) -> Vec<(String, Value)> {
+fn facts(args: &SkyArgs, subject: &Subject) -> Columns {
     let Subject { sky, light, .. } = subject;
     let rgb = |v: DVec3| json!((Space::Rec709.from_working() * v).to_array());
     let temperature = |v: DVec3| colour::temperature(xyz_from_working(v));

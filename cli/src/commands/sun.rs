@@ -19,6 +19,7 @@ use crate::arguments::form::FormArgs;
 use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
 use crate::plots::sun_path;
 use crate::tables::batch;
+use crate::tables::rows::Rows;
 use crate::tables::stdout;
 use crate::tables::sun_batch;
 use crate::tables::sun_columns::columns;
@@ -243,9 +244,10 @@ impl Context<'_> {
         let time = civil::local_text(moment.local());
         let mut out = stdout::lock();
         if self.args.form.csv {
-            let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
-            out.line(&format!("time,{}", names.join(",")))?;
-            out.line(&csv_row(&time_text(&moment.local()), &sun))?;
+            let mut csv = Rows::with_capacity(0);
+            csv_names(&mut csv, &sun);
+            csv_row(&mut csv, &time_text(&moment.local()), &sun);
+            out.bytes(&csv.into_bytes())?;
             return out.finish();
         }
         let events = self.events(moment.local().date_naive())?;
@@ -398,8 +400,9 @@ impl Context<'_> {
                 &self.site,
                 &self.air,
             );
-            let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
-            out.line(&format!("time,{}", names.join(",")))?;
+            let mut csv = Rows::with_capacity(0);
+            csv_names(&mut csv, &sun);
+            out.bytes(&csv.into_bytes())?;
         } else if self.args.form.json {
             out.line("[")?;
         } else {
@@ -422,11 +425,12 @@ impl Context<'_> {
                 .par_iter()
                 .map(|&(from, to)| {
                     let rows = self.rows(start, end, step, from..to)?;
+                    if self.args.form.csv {
+                        return Ok(self.csv(&rows));
+                    }
                     let mut text = Vec::with_capacity(rows.len() * 220);
                     for (i, (utc, sun)) in rows.iter().enumerate() {
-                        if self.args.form.csv {
-                            self.write_csv(&mut text, *utc, sun);
-                        } else if self.args.form.json {
+                        if self.args.form.json {
                             let comma = if from + i as u64 + 1 < count { "," } else { "" };
                             let row = with_time(&self.time_text(*utc), sun);
                             let _ = writeln!(text, "{row}{comma}");
@@ -503,12 +507,15 @@ impl Context<'_> {
         time_text(&self.clock.local(utc))
     }
 
-    fn write_csv(&self, text: &mut Vec<u8>, utc: DateTime<Utc>, sun: &SunPosition) {
-        write_time(text, &self.clock.local(utc));
-        for (_, value) in columns(sun) {
-            let _ = write!(text, ",{value}");
+    fn csv(&self, rows: &[(DateTime<Utc>, SunPosition)]) -> Vec<u8> {
+        let mut csv = Rows::with_capacity(rows.len() * 220);
+        let mut time = Vec::new();
+        for (utc, sun) in rows {
+            time.clear();
+            write_time(&mut time, &self.clock.local(*utc));
+            csv_row(&mut csv, &time, sun);
         }
-        text.push(b'\n');
+        csv.into_bytes()
     }
 
     fn print_table(
@@ -680,12 +687,17 @@ fn with_time(time: &str, sun: &SunPosition) -> Value {
     Value::Object(row)
 }
 
-fn csv_row(time: &str, sun: &SunPosition) -> String {
-    let cells: Vec<String> = columns(sun)
-        .iter()
-        .map(|(_, value)| value.to_string())
-        .collect();
-    format!("{time},{}", cells.join(","))
+fn csv_names(csv: &mut Rows, sun: &SunPosition) {
+    csv.text("time");
+    csv.row(columns(sun).map(|(name, _)| name));
+}
+
+fn csv_row(csv: &mut Rows, time: impl AsRef<[u8]>, sun: &SunPosition) {
+    csv.text(time);
+    for (_, value) in columns(sun) {
+        csv.number(value);
+    }
+    csv.end();
 }
 
 /// A tier's stated error.

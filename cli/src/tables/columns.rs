@@ -4,6 +4,7 @@ use serde_json::{Map, Value};
 use tyndall::Result;
 
 use crate::arguments::form::FormArgs;
+use crate::tables::rows::Rows;
 use crate::tables::stdout::{self, Out};
 
 /// A row of a table, by its columns' names.
@@ -20,27 +21,29 @@ pub fn print(
     }
     let mut out = stdout::lock();
     if form.csv {
-        let join = |cells: Vec<String>| cells.join(",");
-        for (i, row) in rows.iter().enumerate() {
-            if i == 0 {
-                out.line(&join(row.keys().cloned().collect()))?;
-            }
-            let cell = |v: &Value| v.as_str().map_or_else(|| v.to_string(), quoted);
-            out.line(&join(row.values().map(cell).collect()))?;
-        }
+        out.bytes(&csv(&rows))?;
     } else {
         table(&mut out)?;
     }
     out.finish()
 }
 
-/// A text as a cell of CSV (RFC 4180): in quotes where it has a comma or quotes itself.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
+/// Rows as CSV, below the names of the first one's columns.
+pub fn csv(rows: &[Columns]) -> Vec<u8> {
+    let mut csv = Rows::with_capacity(0);
+    if let Some(first) = rows.first() {
+        csv.row(first.keys());
     }
+    for row in rows {
+        for value in row.values() {
+            match value {
+                Value::String(text) => csv.text(text),
+                other => csv.text(other.to_string()),
+            }
+        }
+        csv.end();
+    }
+    csv.into_bytes()
 }
 
 /// A row of columns in this order.

@@ -2,6 +2,7 @@
 
 pub mod batch;
 pub mod columns;
+pub mod rows;
 pub mod sky_batch;
 pub mod stdout;
 pub mod sun_batch;
