@@ -24,7 +24,7 @@ pub struct AccuracyArgs {
 
 /// Runs `tyndall accuracy`.
 pub fn run(args: &AccuracyArgs) -> Result<()> {
-    let quiet = "other work on this machine makes the rates smaller, not the errors";
+    let quiet = "other work on this machine lowers the rates, not the errors";
     match args.effect.as_str() {
         "ephemeris" => {
             eprintln!("measuring four tiers; {quiet}");
@@ -91,7 +91,7 @@ fn sky_table(out: &mut Out, prices: &[sky::Price]) -> Result<()> {
     Ok(())
 }
 
-/// A time with a fitting unit.
+/// A time in a suitable unit.
 fn time(seconds: f64) -> String {
     match seconds {
         s if s >= 1.0 => format!("{s:.2} s"),

@@ -27,10 +27,10 @@ pub struct ShaftsArgs {
     /// With --effect shafts: scenes of the study, separated by commas, or `scene` for the one that is named
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     study: Vec<String>,
-    /// With --effect shafts: frames whose times' median is taken
+    /// With --effect shafts: the number of frames; the median of their times is reported
     #[arg(long, value_name = "N", default_value_t = 5)]
     frames: usize,
-    /// With --effect shafts: one method alone, beside march, with which all are compared
+    /// With --effect shafts: only this method, besides march, with which all are compared
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
     method: MethodFlag,
     /// With --effect shafts: set a knob of another effect, as shadow.resolution=8192 [default: 4096]
@@ -229,7 +229,7 @@ fn table(out: &mut Out, studies: &[Study], adapter: &str, frames: usize) -> Resu
             .map_or(0.0, |o| 1e3 * o.maps.as_secs_f64());
         out.line("")?;
         out.line(&format!(
-            "{}, {w} x {h}; shadow maps {maps:.0} ms apart",
+            "{}, {w} x {h}; shadow maps {maps:.0} ms, not included",
             study.scene
         ))?;
         out.line(&format!(

@@ -95,7 +95,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
     }
     let total: f64 = seconds.iter().map(|s| s.time.as_secs_f64()).sum();
     text += &format!(
-        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what surely adds less than {} of {:.0} cd/m2\n",
+        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what is certain to add less than {} of {:.0} cd/m2\n",
         conditions.size[0],
         conditions.size[1],
         rayon::current_num_threads(),

@@ -74,7 +74,7 @@ pub struct SkyArgs {
     /// Width and height of the map in pixels [default: 2048x1024, 1024x1024 or 3072x512]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// What paints the map; the CPU is done with one before a graphics adapter is opened
+    /// What paints the map; the CPU finishes one before a graphics adapter is opened
     #[arg(long, value_enum, default_value = "reference")]
     backend: BackendFlag,
     /// Leave the sun's disc out of the map
@@ -159,7 +159,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let ev100 = || match args.exposure {
         Exposure::Ev100(ev) => ev,
         Exposure::Auto => {
-            // A sky is brighter than the grey that a meter expects: one stop more, as photographers give it.
+            // A sky is brighter than the grey that a meter expects: one stop more, as is usual in photography.
             exposure::auto((0..frame.pixels()).map(|i| luminance(frame.picture(i))))
                 .map_or(0.0, |ev| ev - 1.0)
         }

@@ -246,7 +246,7 @@ impl Context<'_> {
         if self.args.form.csv {
             let mut csv = Rows::with_capacity(0);
             csv_names(&mut csv, &sun);
-            csv_row(&mut csv, &time_text(&moment.local()), &sun);
+            csv_row(&mut csv, time_text(&moment.local()), &sun);
             out.bytes(&csv.into_bytes())?;
             return out.finish();
         }

@@ -384,7 +384,7 @@ impl Chart {
             return Err(Error::input(
                 &*plot.title,
                 "there is nothing to plot",
-                "give a point at least",
+                "give at least one point",
             ));
         }
         if !y[0].is_finite() {

@@ -87,7 +87,7 @@ impl Batch {
             Error::input(
                 &name,
                 "the file is empty",
-                format!("begin with a line {}", self.known.join(",")),
+                format!("start with the line {}", self.known.join(",")),
             )
         })?;
         let place = |number: usize| Place {
@@ -163,8 +163,8 @@ impl Batch {
             if found.next().is_some() {
                 return Err(Error::input(
                     place,
-                    format!("the column `{known}` is there twice"),
-                    "leave out one",
+                    format!("the column `{known}` appears twice"),
+                    "remove one",
                 ));
             }
         }
@@ -195,11 +195,11 @@ impl Batch {
                 return Err(Error::input(
                     place,
                     format!("the column `{name}` is also a result's name"),
-                    "call it otherwise",
+                    "rename it",
                 ));
             }
             eprintln!(
-                "note: {}: the column `{name}` is not read, and passed on; known are {}",
+                "note: {}: the column `{name}` is not read, only passed on; known are {}",
                 String::from(place),
                 quoted(self.known)
             );
@@ -274,7 +274,10 @@ impl Row<'_> {
         match cell.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Some(value)),
             _ => Err(self.error(
-                format!("{}: `{cell}` is no finite number", self.batch.known[column]),
+                format!(
+                    "{}: `{cell}` is not a finite number",
+                    self.batch.known[column]
+                ),
                 "write a decimal number",
             )),
         }
