@@ -1,7 +1,7 @@
 //! `--max-error` and `--within`: the quality and the method that this picture needs, measured on this machine.
 
+use crate::arguments::scene::PlanArgs;
 use crate::backend::{Backend, BackendFlag};
-use crate::scene_args::PlanArgs;
 use std::time::Instant;
 use tyndall::accuracy;
 use tyndall::conditions::Conditions;

@@ -1,29 +1,14 @@
 //! The command line of tyndall.
 
-mod accuracy;
-mod accuracy_shafts;
+mod arguments;
 mod backend;
-mod batch;
 mod choose;
-mod completions;
-mod doctor;
-mod draw;
-mod labels;
-mod place_time;
-mod plan;
-mod plot;
-mod render;
-mod scene_args;
-mod schema;
-mod sky;
-mod sky_batch;
-mod stdout;
-mod sun;
-mod sun_batch;
-mod sun_path;
+mod commands;
+mod plots;
+mod tables;
 mod tell;
-mod time_text;
 
+use crate::commands::{accuracy, completions, doctor, plan, render, schema, sky, sun};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 

@@ -307,6 +307,14 @@ fn the_table_of_the_plan_names_every_effect() {
     ] {
         assert!(table.contains(name), "{name} is not in {table}");
     }
+    // As CSV only cells with commas stand in quotes.
+    let output = tyndall(folder.path(), &["plan", "slats.toml", "--csv"]);
+    let csv = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(csv.starts_with("effect,,adds at most [cd/m2],predicted,why\nvisibility,run,all,"));
+    assert!(
+        csv.contains(",\"Perez 1993 all-weather sky, clear, turbidity 3\"\n"),
+        "{csv}"
+    );
 }
 
 #[test]

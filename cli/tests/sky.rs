@@ -134,6 +134,11 @@ fn maps_are_written_and_values_printed() {
     // A night has a value, and no CCT that is a guess.
     let night = sky(&["--sun", "90,-40", "--csv"], "");
     assert!(night.status.success() && stdout(&night).contains("null"));
+    // The commas of a colour are within its cell.
+    let csv = stdout(&sky(&["--sun", "90,30", "--csv"], ""));
+    assert_eq!(csv.matches(",\"[").count(), 2, "{csv}");
+    assert_eq!(csv.matches("]\",").count(), 2, "{csv}");
+    assert!(csv.contains(",perez,\"Perez 1993 "), "{csv}");
 }
 
 #[test]

@@ -15,9 +15,15 @@ use tyndall::ephemeris::{
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
-use crate::place_time::{self, PlaceArgs, TimeArgs};
-use crate::time_text::{time_text, write_time};
-use crate::{stdout, sun_batch, sun_path};
+use crate::arguments::form::FormArgs;
+use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
+use crate::plots::sun_path;
+use crate::tables::batch;
+use crate::tables::rows::Rows;
+use crate::tables::stdout;
+use crate::tables::sun_batch;
+use crate::tables::sun_columns::columns;
+use crate::tables::time_text::{time_text, write_time};
 
 /// The flags of `tyndall sun`.
 #[derive(Args, Debug)]
@@ -34,9 +40,9 @@ pub struct SunArgs {
     #[command(flatten)]
     place: PlaceArgs,
     #[command(flatten)]
-    pub(crate) time: TimeArgs,
+    time: TimeArgs,
     #[command(flatten)]
-    pub(crate) sun: place_time::SunArgs,
+    sun: place_time::SunArgs,
     /// The end of a range that begins at --time; it is not in the table itself
     #[arg(
         long,
@@ -53,25 +59,25 @@ pub struct SunArgs {
     horizon: f64,
     /// A CSV of time, latitude, longitude, elevation (and pressure, temperature, delta_t), one position a row; - is stdin
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "time", "step", "plot"])]
-    pub(crate) batch: Option<PathBuf>,
+    batch: Option<PathBuf>,
     /// With --batch: stop at the first broken row, and print nothing
     #[arg(long, requires = "batch")]
-    pub(crate) strict: bool,
+    strict: bool,
     /// Draw the sun's paths over the year, stereographic and cartesian, as .svg or .png (repeatable)
     #[arg(long, value_name = "FILE")]
     plot: Vec<PathBuf>,
-    /// Print JSON
-    #[arg(long, conflicts_with = "csv")]
-    pub(crate) json: bool,
-    /// Print CSV
-    #[arg(long)]
-    pub(crate) csv: bool,
+    #[command(flatten)]
+    form: FormArgs,
 }
 
 /// Runs `tyndall sun`.
 pub fn run(args: &SunArgs) -> Result<()> {
-    if args.batch.is_some() {
-        return sun_batch::run(args);
+    if let Some(path) = &args.batch {
+        let form = batch::Form {
+            json: args.form.json,
+            strict: args.strict,
+        };
+        return sun_batch::run(path, form, &args.time, &args.sun);
     }
     let site = args.place.at.ok_or_else(|| {
         Error::input(
@@ -189,23 +195,6 @@ fn step(text: &str) -> Result<TimeDelta, String> {
     Ok(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
 }
 
-/// The columns of a position, in degrees unless the name says otherwise; the first seven are those of a batch.
-pub fn columns(sun: &SunPosition) -> [(&'static str, f64); 11] {
-    [
-        ("azimuth", sun.azimuth_deg()),
-        ("elevation_true", sun.elevation_true_deg()),
-        ("elevation_apparent", sun.elevation_apparent_deg()),
-        ("declination", sun.declination / DEG),
-        ("right_ascension", sun.right_ascension / DEG),
-        ("equation_of_time", sun.equation_of_time_minutes),
-        ("distance_au", sun.distance_au),
-        ("hour_angle", sun.hour_angle / DEG),
-        ("angular_radius", sun.angular_radius / DEG),
-        ("air_mass", sun.air_mass()),
-        ("irradiance_factor", sun.irradiance_factor),
-    ]
-}
-
 struct Context<'a> {
     args: &'a SunArgs,
     site: Site,
@@ -254,14 +243,15 @@ impl Context<'_> {
             tyndall::ephemeris::sun_position(self.tier(), &moment.instant, &self.site, &self.air);
         let time = civil::local_text(moment.local());
         let mut out = stdout::lock();
-        if self.args.csv {
-            let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
-            out.line(&format!("time,{}", names.join(",")))?;
-            out.line(&csv_row(&time_text(&moment.local()), &sun))?;
+        if self.args.form.csv {
+            let mut csv = Rows::with_capacity(0);
+            csv_names(&mut csv, &sun);
+            csv_row(&mut csv, time_text(&moment.local()), &sun);
+            out.bytes(&csv.into_bytes())?;
             return out.finish();
         }
         let events = self.events(moment.local().date_naive())?;
-        if self.args.json {
+        if self.args.form.json {
             let value = json!({
                 "time": time_text(&moment.local()),
                 "utc": moment.utc.to_rfc3339_opts(SecondsFormat::AutoSi, true),
@@ -364,12 +354,12 @@ impl Context<'_> {
         let events = self.events(date)?;
         let step = self.args.step.unwrap_or(TimeDelta::hours(1));
         let (start, end) = (events.span.0.to_utc(), events.span.1.to_utc());
-        if self.args.csv {
+        if self.args.form.csv {
             return self.range(start, end);
         }
         let rows = self.rows(start, end, step, 0..count(start, end, step))?;
         let mut out = stdout::lock();
-        if self.args.json {
+        if self.args.form.json {
             let positions: Vec<Value> = rows
                 .iter()
                 .map(|(utc, sun)| with_time(&self.time_text(*utc), sun))
@@ -403,16 +393,17 @@ impl Context<'_> {
         let step = self.args.step.unwrap_or(TimeDelta::hours(1));
         let count = count(start, end, step);
         let mut out = stdout::lock();
-        if self.args.csv {
+        if self.args.form.csv {
             let sun = tyndall::ephemeris::sun_position(
                 self.tier(),
                 &self.instant_at(start)?,
                 &self.site,
                 &self.air,
             );
-            let names: Vec<&str> = columns(&sun).iter().map(|c| c.0).collect();
-            out.line(&format!("time,{}", names.join(",")))?;
-        } else if self.args.json {
+            let mut csv = Rows::with_capacity(0);
+            csv_names(&mut csv, &sun);
+            out.bytes(&csv.into_bytes())?;
+        } else if self.args.form.json {
             out.line("[")?;
         } else {
             out.line(&format!(
@@ -434,11 +425,12 @@ impl Context<'_> {
                 .par_iter()
                 .map(|&(from, to)| {
                     let rows = self.rows(start, end, step, from..to)?;
+                    if self.args.form.csv {
+                        return Ok(self.csv(&rows));
+                    }
                     let mut text = Vec::with_capacity(rows.len() * 220);
                     for (i, (utc, sun)) in rows.iter().enumerate() {
-                        if self.args.csv {
-                            self.write_csv(&mut text, *utc, sun);
-                        } else if self.args.json {
+                        if self.args.form.json {
                             let comma = if from + i as u64 + 1 < count { "," } else { "" };
                             let row = with_time(&self.time_text(*utc), sun);
                             let _ = writeln!(text, "{row}{comma}");
@@ -449,7 +441,7 @@ impl Context<'_> {
                     Ok(text)
                 })
                 .collect();
-            if first == 0 && !self.args.csv && !self.args.json {
+            if first == 0 && !self.args.form.csv && !self.args.form.json {
                 out.line(TABLE_HEAD)?;
             }
             for text in texts {
@@ -457,7 +449,7 @@ impl Context<'_> {
             }
             first += 8 * PIECE;
         }
-        if self.args.json {
+        if self.args.form.json {
             out.line("]")?;
         }
         out.finish()
@@ -515,12 +507,15 @@ impl Context<'_> {
         time_text(&self.clock.local(utc))
     }
 
-    fn write_csv(&self, text: &mut Vec<u8>, utc: DateTime<Utc>, sun: &SunPosition) {
-        write_time(text, &self.clock.local(utc));
-        for (_, value) in columns(sun) {
-            let _ = write!(text, ",{value}");
+    fn csv(&self, rows: &[(DateTime<Utc>, SunPosition)]) -> Vec<u8> {
+        let mut csv = Rows::with_capacity(rows.len() * 220);
+        let mut time = Vec::new();
+        for (utc, sun) in rows {
+            time.clear();
+            write_time(&mut time, &self.clock.local(*utc));
+            csv_row(&mut csv, &time, sun);
         }
-        text.push(b'\n');
+        csv.into_bytes()
     }
 
     fn print_table(
@@ -692,12 +687,17 @@ fn with_time(time: &str, sun: &SunPosition) -> Value {
     Value::Object(row)
 }
 
-fn csv_row(time: &str, sun: &SunPosition) -> String {
-    let cells: Vec<String> = columns(sun)
-        .iter()
-        .map(|(_, value)| value.to_string())
-        .collect();
-    format!("{time},{}", cells.join(","))
+fn csv_names(csv: &mut Rows, sun: &SunPosition) {
+    csv.text("time");
+    csv.row(columns(sun).map(|(name, _)| name));
+}
+
+fn csv_row(csv: &mut Rows, time: impl AsRef<[u8]>, sun: &SunPosition) {
+    csv.text(time);
+    for (_, value) in columns(sun) {
+        csv.number(value);
+    }
+    csv.end();
 }
 
 /// A tier's stated error.

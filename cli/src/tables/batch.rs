@@ -1,6 +1,5 @@
 //! A CSV in, the same rows with results out: what `tyndall sun --batch` and `tyndall sky --batch` share.
 
-use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
@@ -8,7 +7,8 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use tyndall::{Error, Result};
 
-use crate::stdout;
+use crate::tables::rows::{Lines, Rows};
+use crate::tables::stdout;
 
 /// What a batch reads and adds. Names of columns are read in any case.
 pub struct Batch {
@@ -35,9 +35,31 @@ pub struct Form {
 pub struct Row<'a> {
     batch: &'a Batch,
     header: &'a Header,
-    cells: Vec<String>,
-    place: String,
+    cells: Vec<&'a str>,
+    place: Place<'a>,
 }
+
+/// A line of a file.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    file: &'a str,
+    line: usize,
+}
+
+impl From<Place<'_>> for String {
+    fn from(place: Place) -> Self {
+        format!("{}:{}", place.file, place.line)
+    }
+}
+
+/// Some rows with their results, as they are printed.
+struct Block {
+    text: Vec<u8>,
+    broken: Vec<Error>,
+}
+
+/// How many rows are computed and written to memory by one thread at a time.
+const BLOCK: usize = 500;
 
 struct Header {
     names: Vec<String>,
@@ -65,11 +87,15 @@ impl Batch {
             Error::input(
                 &name,
                 "the file is empty",
-                format!("begin with a line {}", self.known.join(",")),
+                format!("start with the line {}", self.known.join(",")),
             )
         })?;
-        let header = self.header(first, &format!("{name}:{}", number + 1))?;
-        let rows: Vec<(usize, &str)> = lines.collect();
+        let place = |number: usize| Place {
+            file: &name,
+            line: number + 1,
+        };
+        let header = self.header(first, place(number))?;
+        let rows: Vec<(Place, &str)> = lines.map(|(i, line)| (place(i), line)).collect();
         if rows.is_empty() {
             eprintln!("note: {name} has no rows");
         }
@@ -78,46 +104,32 @@ impl Batch {
         if form.json {
             out.line("[")?;
         } else {
-            out.line(&csv_line(
-                header
-                    .names
-                    .iter()
-                    .map(String::as_str)
-                    .chain(self.results.iter().copied()),
-            ))?;
+            let mut csv = Rows::with_capacity(0);
+            let names = header.names.iter().map(String::as_str);
+            csv.row(names.chain(self.results.iter().copied()));
+            out.bytes(&csv.into_bytes())?;
         }
         // Pieces are written while the next are computed; with --strict all must be known to be right first.
         let piece = if form.strict { rows.len() } else { 50_000 };
         let (mut broken, mut started) = (0_usize, false);
         for piece in rows.chunks(piece.max(1)) {
-            let texts: Vec<Result<String>> = piece
-                .par_iter()
-                .map(|&(number, line)| {
-                    let row = self.row(&header, line, format!("{name}:{}", number + 1))?;
-                    let values = results(&row)?;
-                    Ok(if form.json {
-                        row.json(&values)
-                    } else {
-                        row.csv(&values)
-                    })
-                })
+            let blocks: Vec<Block> = piece
+                .par_chunks(BLOCK)
+                .map(|rows| self.block(&header, rows, form.json, &results))
                 .collect();
-            for text in texts {
-                match text {
-                    Ok(text) if form.json => {
-                        out.bytes(if started { b",\n" } else { b"" })?;
-                        out.bytes(text.as_bytes())?;
-                        started = true;
-                    }
-                    Ok(text) => out.line(&text)?,
-                    Err(error) if form.strict => {
+            for block in blocks {
+                if form.json && !block.text.is_empty() {
+                    out.bytes(if started { b",\n" } else { b"" })?;
+                    started = true;
+                }
+                out.bytes(&block.text)?;
+                for error in block.broken {
+                    if form.strict {
                         out.discard();
                         return Err(error);
                     }
-                    Err(error) => {
-                        eprintln!("error: {error}");
-                        broken += 1;
-                    }
+                    eprintln!("error: {error}");
+                    broken += 1;
                 }
             }
         }
@@ -127,7 +139,7 @@ impl Batch {
         out.finish()?;
         if broken > 0 {
             return Err(Error::input(
-                name,
+                &name,
                 format!(
                     "{broken} of {} rows could not be used and were left out",
                     rows.len()
@@ -139,8 +151,10 @@ impl Batch {
     }
 
     /// Finds the columns.
-    fn header(&self, line: &str, place: &str) -> Result<Header> {
-        let names: Vec<String> = cells(line, place)?;
+    fn header(&self, line: &str, place: Place) -> Result<Header> {
+        let mut lines = Lines::new();
+        let names = cells(&mut lines, line, place)?;
+        let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
         let is = |name: &str, known: &str| name.eq_ignore_ascii_case(known);
         let mut at = Vec::with_capacity(self.known.len());
         for known in self.known {
@@ -149,8 +163,8 @@ impl Batch {
             if found.next().is_some() {
                 return Err(Error::input(
                     place,
-                    format!("the column `{known}` is there twice"),
-                    "leave out one",
+                    format!("the column `{known}` appears twice"),
+                    "remove one",
                 ));
             }
         }
@@ -181,19 +195,49 @@ impl Batch {
                 return Err(Error::input(
                     place,
                     format!("the column `{name}` is also a result's name"),
-                    "call it otherwise",
+                    "rename it",
                 ));
             }
             eprintln!(
-                "note: {place}: the column `{name}` is not read, and passed on; known are {}",
+                "note: {}: the column `{name}` is not read, only passed on; known are {}",
+                String::from(place),
                 quoted(self.known)
             );
         }
         Ok(Header { names, at })
     }
 
-    fn row<'a>(&'a self, header: &'a Header, line: &str, place: String) -> Result<Row<'a>> {
-        let cells = cells(line, &place)?;
+    /// The results of rows of the file.
+    fn block<F>(&self, header: &Header, rows: &[(Place, &str)], json: bool, results: &F) -> Block
+    where
+        F: Fn(&Row) -> Result<Vec<f64>>,
+    {
+        let mut lines = Lines::new();
+        let mut csv = Rows::with_capacity(if json { 0 } else { 250 * rows.len() });
+        let (mut texts, mut broken) = (Vec::new(), Vec::new());
+        for &(place, line) in rows {
+            let row = self.row(header, &mut lines, line, place);
+            match row.and_then(|row| Ok((results(&row)?, row))) {
+                Ok((values, row)) if json => texts.push(row.json(&values)),
+                Ok((values, row)) => row.csv(&values, &mut csv),
+                Err(error) => broken.push(error),
+            }
+        }
+        let text = match json {
+            true => texts.join(",\n").into_bytes(),
+            false => csv.into_bytes(),
+        };
+        Block { text, broken }
+    }
+
+    fn row<'a>(
+        &'a self,
+        header: &'a Header,
+        lines: &'a mut Lines,
+        line: &str,
+        place: Place<'a>,
+    ) -> Result<Row<'a>> {
+        let cells = cells(lines, line, place)?;
         if cells.len() != header.names.len() {
             return Err(Error::input(
                 place,
@@ -218,7 +262,7 @@ impl Row<'_> {
     /// The text of a known column, by its number; `None` where the cell is empty or there is no such column.
     pub fn text(&self, column: usize) -> Option<&str> {
         self.header.at[column]
-            .map(|i| self.cells[i].as_str())
+            .map(|i| self.cells[i])
             .filter(|cell| !cell.is_empty())
     }
 
@@ -230,7 +274,10 @@ impl Row<'_> {
         match cell.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Some(value)),
             _ => Err(self.error(
-                format!("{}: `{cell}` is no finite number", self.batch.known[column]),
+                format!(
+                    "{}: `{cell}` is not a finite number",
+                    self.batch.known[column]
+                ),
                 "write a decimal number",
             )),
         }
@@ -248,7 +295,7 @@ impl Row<'_> {
 
     /// An error in this row.
     pub fn error(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Error {
-        Error::input(&self.place, problem, remedy)
+        Error::input(self.place, problem, remedy)
     }
 
     /// An error of the library, as one in this row.
@@ -256,13 +303,14 @@ impl Row<'_> {
         self.error(error.problem(), error.remedy())
     }
 
-    fn csv(&self, values: &[f64]) -> String {
-        let mut line = csv_line(self.cells.iter().map(String::as_str));
-        for value in values {
-            // The shortest decimal that reads back to the same f64.
-            let _ = write!(line, ",{value}");
+    fn csv(&self, values: &[f64], csv: &mut Rows) {
+        for cell in &self.cells {
+            csv.text(cell);
         }
-        line
+        for &value in values {
+            csv.number(value);
+        }
+        csv.end();
     }
 
     fn json(&self, values: &[f64]) -> String {
@@ -308,51 +356,9 @@ fn quoted(names: &[impl AsRef<str>]) -> String {
         .join(", ")
 }
 
-/// The cells of a line, without the blanks around them; a cell in double quotes may hold commas, and "" for a quote.
-///
-/// A line is a row whatever is in it, so that a quote left open breaks its own row and no other.
-fn cells(line: &str, place: &str) -> Result<Vec<String>> {
-    if !line.contains('"') {
-        return Ok(line.split(',').map(|cell| cell.trim().to_owned()).collect());
-    }
-    let mut cells = vec![String::new()];
-    let (mut quoted, mut chars) = (false, line.chars().peekable());
-    while let Some(c) = chars.next() {
-        let cell = cells.last_mut().expect("there is a first cell");
-        match (c, quoted) {
-            ('"', true) if chars.peek() == Some(&'"') => {
-                chars.next();
-                cell.push('"');
-            }
-            ('"', _) => quoted = !quoted,
-            (',', false) => cells.push(String::new()),
-            (c, _) => cell.push(c),
-        }
-    }
-    if quoted {
-        return Err(Error::input(
-            place,
-            "a quote is not closed",
-            "close it on the same line",
-        ));
-    }
-    Ok(cells
-        .into_iter()
-        .map(|cell| cell.trim().to_owned())
-        .collect())
-}
-
-fn csv_line<'a>(cells: impl Iterator<Item = &'a str>) -> String {
-    let mut line = String::new();
-    for (i, cell) in cells.enumerate() {
-        if i > 0 {
-            line.push(',');
-        }
-        if cell.contains([',', '"']) {
-            let _ = write!(line, "\"{}\"", cell.replace('"', "\"\""));
-        } else {
-            line.push_str(cell);
-        }
-    }
-    line
+/// The cells of a line.
+fn cells<'l>(lines: &'l mut Lines, line: &str, place: Place) -> Result<Vec<&'l str>> {
+    let problem = "a quote is not closed";
+    let cells = lines.cells(line);
+    cells.ok_or_else(|| Error::input(place, problem, "close it on the same line"))
 }

@@ -1,10 +1,14 @@
 //! `tyndall sky`: the sky alone, as an environment map or in numbers.
 
+use crate::arguments::form::FormArgs;
+use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
+use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
+use crate::arguments::scene::{pair, size};
 use crate::backend::{Backend, BackendFlag};
-use crate::batch::Form;
-use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
-use crate::render::{self, Exposure};
-use crate::{scene_args, sky_batch, stdout};
+use crate::tables::batch::Form;
+use crate::tables::columns::{self, Columns};
+use crate::tables::sky_batch;
+use crate::tables::stdout;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -36,7 +40,7 @@ pub struct SkyArgs {
     #[command(flatten)]
     ephemeris: SunArgs,
     /// Put the sun there instead: degrees, azimuth from north through east; no refraction is added
-    #[arg(long, value_name = "AZ,EL", value_parser = scene_args::pair, allow_hyphen_values = true, conflicts_with_all = ["at", "time"])]
+    #[arg(long, value_name = "AZ,EL", value_parser = pair, allow_hyphen_values = true, conflicts_with_all = ["at", "time"])]
     sun: Option<[f64; 2]>,
     /// The azimuth that the map's middle faces (0 is north; then east is to its right)
     #[arg(
@@ -68,19 +72,19 @@ pub struct SkyArgs {
     #[arg(long, value_name = "NAME", default_value = "equirectangular")]
     projection: MapShape,
     /// Width and height of the map in pixels [default: 2048x1024, 1024x1024 or 3072x512]
-    #[arg(long, value_name = "WxH", value_parser = scene_args::size)]
+    #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// What paints the map; the CPU is done with one before a graphics adapter is opened
+    /// What paints the map; the CPU finishes one before a graphics adapter is opened
     #[arg(long, value_enum, default_value = "reference")]
     backend: BackendFlag,
     /// Leave the sun's disc out of the map
     #[arg(long)]
     without_sun: bool,
     /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2
-    #[arg(long, value_name = "auto|EV", default_value = "auto", allow_negative_numbers = true, value_parser = render::exposure_flag)]
+    #[arg(long, value_name = "auto|EV", default_value = "auto", allow_negative_numbers = true, value_parser = exposure_flag)]
     exposure: Exposure,
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
-    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = render::space)]
+    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
     color_space: Space,
     /// Evaluate the models as published for the rows of a CSV (model, sun_elevation, turbidity or direct_normal and
     /// diffuse_horizontal, view_azimuth from the sun's, view_elevation; degrees); - is standard input
@@ -89,12 +93,8 @@ pub struct SkyArgs {
     /// With --batch: stop at the first broken row, and print nothing
     #[arg(long, requires = "batch")]
     strict: bool,
-    /// Print JSON
-    #[arg(long, conflicts_with = "csv")]
-    json: bool,
-    /// Print CSV
-    #[arg(long)]
-    csv: bool,
+    #[command(flatten)]
+    form: FormArgs,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -119,7 +119,7 @@ struct Subject {
 pub fn run(args: &SkyArgs) -> Result<()> {
     if let Some(path) = &args.batch {
         let form = Form {
-            json: args.json,
+            json: args.form.json,
             strict: args.strict,
         };
         return sky_batch::run(path, form);
@@ -130,16 +130,10 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         eprintln!("warning    {warning}");
     }
     let facts = facts(args, &subject);
-    if args.json {
-        stdout::print_json(&facts.iter().cloned().collect::<serde_json::Map<_, _>>())?;
-    } else if args.csv {
-        let text = |v: &Value| {
-            v.as_str()
-                .map_or(v.to_string(), |s| format!("\"{}\"", s.replace('"', "\"\"")))
-        };
-        let join = |cells: Vec<String>| cells.join(",") + "\n";
-        let names = join(facts.iter().map(|(name, _)| name.clone()).collect());
-        stdout::print(&(names + &join(facts.iter().map(|(_, v)| text(v)).collect())))?;
+    if args.form.json {
+        stdout::print_json(&facts)?;
+    } else if args.form.csv {
+        stdout::print(columns::csv(&[facts]))?;
     } else {
         let mut text = String::new();
         for (name, value) in &facts {
@@ -165,12 +159,12 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let ev100 = || match args.exposure {
         Exposure::Ev100(ev) => ev,
         Exposure::Auto => {
-            // A sky is brighter than the grey that a meter expects: one stop more, as photographers give it.
+            // A sky is brighter than the grey that a meter expects: one stop more, as is usual in photography.
             exposure::auto((0..frame.pixels()).map(|i| luminance(frame.picture(i))))
                 .map_or(0.0, |ev| ev - 1.0)
         }
     };
-    let space = render::output_space(args.color_space);
+    let space = output_space(args.color_space);
     for (path, format) in args.output.iter().zip(&formats) {
         match format {
             Format::Exr => output::exr::write(path, &frame, &space, &[])?,
@@ -304,7 +298,7 @@ fn subject(args: &SkyArgs) -> Result<Subject> {
 }
 
 /// What is printed: names with values; no number where there is none.
-fn facts(args: &SkyArgs, subject: &Subject) -> Vec<(String, Value)> {
+fn facts(args: &SkyArgs, subject: &Subject) -> Columns {
     let Subject { sky, light, .. } = subject;
     let rgb = |v: DVec3| json!((Space::Rec709.from_working() * v).to_array());
     let temperature = |v: DVec3| colour::temperature(xyz_from_working(v));

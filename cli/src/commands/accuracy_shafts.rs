@@ -1,9 +1,10 @@
 //! `tyndall accuracy --effect shafts`: what accuracy costs in the air, method by method.
 
-use crate::accuracy::{AccuracyArgs, Columns, columns, print};
-use crate::plot::{Axis, Plot, Point, Series};
-use crate::scene_args::{MethodFlag, SceneArgs, method, setting, size};
-use crate::stdout::Out;
+use crate::arguments::form::FormArgs;
+use crate::arguments::scene::{MethodFlag, SceneArgs, method, setting, size};
+use crate::plots::plot::{Axis, Plot, Point, Series};
+use crate::tables::columns::{Columns, columns, print};
+use crate::tables::stdout::Out;
 use clap::Args;
 use glam::{DVec3, Vec3};
 use serde_json::json;
@@ -26,10 +27,10 @@ pub struct ShaftsArgs {
     /// With --effect shafts: scenes of the study, separated by commas, or `scene` for the one that is named
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     study: Vec<String>,
-    /// With --effect shafts: frames whose times' median is taken
+    /// With --effect shafts: the number of frames; the median of their times is reported
     #[arg(long, value_name = "N", default_value_t = 5)]
     frames: usize,
-    /// With --effect shafts: one method alone, beside march, with which all are compared
+    /// With --effect shafts: only this method, besides march, with which all are compared
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
     method: MethodFlag,
     /// With --effect shafts: set a knob of another effect, as shadow.resolution=8192 [default: 4096]
@@ -60,8 +61,7 @@ struct Study {
 }
 
 /// Runs the study.
-pub fn run(args: &AccuracyArgs) -> Result<()> {
-    let flags = &args.shafts;
+pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
     let report = adapters::report();
     let choice = match adapters::automatic(&report) {
         Some(_) => Choice::Hardware,
@@ -123,7 +123,7 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
         .iter()
         .flat_map(|study| rows(study, &adapter))
         .collect();
-    print(args, rows, |out| {
+    print(form, rows, |out| {
         table(out, &studies, &adapter, flags.frames)
     })
 }
@@ -229,7 +229,7 @@ fn table(out: &mut Out, studies: &[Study], adapter: &str, frames: usize) -> Resu
             .map_or(0.0, |o| 1e3 * o.maps.as_secs_f64());
         out.line("")?;
         out.line(&format!(
-            "{}, {w} x {h}; shadow maps {maps:.0} ms apart",
+            "{}, {w} x {h}; shadow maps {maps:.0} ms, not included",
             study.scene
         ))?;
         out.line(&format!(

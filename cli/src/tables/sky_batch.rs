@@ -7,7 +7,7 @@ use tyndall::colour::{Space, working_from_xyz};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, published_xyz};
 use tyndall::units::DEG;
 
-use crate::batch::{Batch, Form, Row};
+use crate::tables::batch::{Batch, Form, Row};
 
 const BATCH: Batch = Batch {
     known: &[

@@ -1,12 +1,14 @@
 //! `tyndall accuracy`: what accuracy costs.
 
 use clap::Args;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use tyndall::studies::{ephemeris, sky};
 use tyndall::{Error, Result};
 
-use crate::accuracy_shafts;
-use crate::stdout::{self, Out};
+use crate::arguments::form::FormArgs;
+use crate::commands::accuracy_shafts;
+use crate::tables::columns::{Columns, columns, print};
+use crate::tables::stdout::Out;
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]
@@ -15,80 +17,34 @@ pub struct AccuracyArgs {
     #[arg(long, value_name = "EFFECT", default_value = "ephemeris")]
     effect: String,
     #[command(flatten)]
-    pub shafts: accuracy_shafts::ShaftsArgs,
-    /// Print JSON
-    #[arg(long, conflicts_with = "csv")]
-    pub json: bool,
-    /// Print CSV
-    #[arg(long)]
-    pub csv: bool,
+    shafts: accuracy_shafts::ShaftsArgs,
+    #[command(flatten)]
+    form: FormArgs,
 }
-
-/// A row of a table, by its columns' names.
-pub type Columns = Map<String, Value>;
 
 /// Runs `tyndall accuracy`.
 pub fn run(args: &AccuracyArgs) -> Result<()> {
-    let quiet = "other work on this machine makes the rates smaller, not the errors";
+    let quiet = "other work on this machine lowers the rates, not the errors";
     match args.effect.as_str() {
         "ephemeris" => {
             eprintln!("measuring four tiers; {quiet}");
             let prices = ephemeris::prices();
             let rows = prices.iter().map(ephemeris_columns).collect();
-            print(args, rows, |out| ephemeris_table(out, &prices))
+            print(args.form, rows, |out| ephemeris_table(out, &prices))
         }
         "sky" => {
             eprintln!("measuring patches, maps and bands; {quiet}");
             let prices = sky::prices()?;
             let rows = prices.iter().map(sky_columns).collect();
-            print(args, rows, |out| sky_table(out, &prices))
+            print(args.form, rows, |out| sky_table(out, &prices))
         }
-        "shafts" => accuracy_shafts::run(args),
+        "shafts" => accuracy_shafts::run(&args.shafts, args.form),
         other => Err(Error::input(
             "--effect",
             format!("`{other}` is not known"),
             "write ephemeris, sky or shafts",
         )),
     }
-}
-
-/// Prints rows as JSON or CSV, or else as the table that `table` writes.
-pub fn print(
-    args: &AccuracyArgs,
-    rows: Vec<Columns>,
-    table: impl FnOnce(&mut Out) -> Result<()>,
-) -> Result<()> {
-    if args.json {
-        return stdout::print_json(&rows);
-    }
-    let mut out = stdout::lock();
-    if args.csv {
-        let join = |cells: Vec<String>| cells.join(",");
-        for (i, row) in rows.iter().enumerate() {
-            if i == 0 {
-                out.line(&join(row.keys().cloned().collect()))?;
-            }
-            let cell = |v: &Value| v.as_str().map_or_else(|| v.to_string(), quoted);
-            out.line(&join(row.values().map(cell).collect()))?;
-        }
-    } else {
-        table(&mut out)?;
-    }
-    out.finish()
-}
-
-/// A text as a cell of CSV (RFC 4180): in quotes where it has a comma or quotes itself.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
-
-pub fn columns<const N: usize>(columns: [(&str, Value); N]) -> Columns {
-    let named = columns.map(|(name, value)| (name.to_owned(), value));
-    named.into_iter().collect()
 }
 
 fn sky_columns(price: &sky::Price) -> Columns {
@@ -135,7 +91,7 @@ fn sky_table(out: &mut Out, prices: &[sky::Price]) -> Result<()> {
     Ok(())
 }
 
-/// A time with a fitting unit.
+/// A time in a suitable unit.
 fn time(seconds: f64) -> String {
     match seconds {
         s if s >= 1.0 => format!("{s:.2} s"),

@@ -1,7 +1,10 @@
 //! `tyndall plan`: which effects a scene calls for, and why not the others.
 
-use crate::scene_args::{PlanArgs, SceneArgs};
-use crate::{stdout, tell};
+use crate::arguments::form::FormArgs;
+use crate::arguments::scene::{PlanArgs, SceneArgs};
+use crate::tables::rows::Rows;
+use crate::tables::stdout;
+use crate::tell;
 use clap::Args;
 use serde_json::json;
 use tyndall::Result;
@@ -16,12 +19,8 @@ pub struct PlanCommand {
     scene: SceneArgs,
     #[command(flatten)]
     plan: PlanArgs,
-    /// Print JSON
-    #[arg(long, conflicts_with = "csv")]
-    json: bool,
-    /// Print CSV
-    #[arg(long)]
-    csv: bool,
+    #[command(flatten)]
+    form: FormArgs,
 }
 
 /// Plans.
@@ -34,7 +33,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         let found = seconds.iter().find(|s| s.effect == step.effect.name);
         found.map(|s| s.time.as_secs_f64())
     };
-    if args.json {
+    if args.form.json {
         let mut steps = tell::plan_json(&plan);
         if let Some(list) = steps.as_array_mut() {
             for (entry, step) in list.iter_mut().zip(&plan.steps) {
@@ -74,14 +73,14 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         })
         .collect();
     let header = ["effect", "", "adds at most [cd/m2]", "predicted", "why"].map(str::to_owned);
-    let mut text = String::new();
-    if args.csv {
-        let quote = |cell: &String| format!("\"{}\"", cell.replace('"', "\"\""));
+    if args.form.csv {
+        let mut csv = Rows::with_capacity(0);
         for row in std::iter::once(&header).chain(&rows) {
-            text += &(row.iter().map(quote).collect::<Vec<_>>().join(",") + "\n");
+            csv.row(row);
         }
-        return stdout::print(&text);
+        return stdout::print(csv.into_bytes());
     }
+    let mut text = String::new();
     let widths: Vec<usize> = (0..4)
         .map(|i| {
             let cells = std::iter::once(&header).chain(&rows);
@@ -96,7 +95,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
     }
     let total: f64 = seconds.iter().map(|s| s.time.as_secs_f64()).sum();
     text += &format!(
-        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what surely adds less than {} of {:.0} cd/m2\n",
+        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what is certain to add less than {} of {:.0} cd/m2\n",
         conditions.view.size[0],
         conditions.view.size[1],
         rayon::current_num_threads(),

@@ -1,6 +1,6 @@
 //! The flags that say what is to be seen, shared by every command that takes a scene.
 
-use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
+use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use clap::Args;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use tyndall::plan::{Overrules, Quality};
 use tyndall::scene::{self, Camera, Projection, Scene, SiteEntry, SunEntry};
 use tyndall::units::DEG;
 
-/// A scene, and what is asked of it.
+/// A scene, and the camera, sun and sky that it is rendered with.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
     /// The scene: TOML, glTF, GLB or OBJ [default: one that is built in]
@@ -61,22 +61,22 @@ pub struct SceneArgs {
     samples: Option<u32>,
 }
 
-/// How much accuracy is paid for, and what the user wants otherwise than the plan.
+/// The accuracy that is asked for, and where the user overrules the plan.
 #[derive(Debug, Args)]
 pub struct PlanArgs {
-    /// How fine: draft, preview, high or reference
+    /// The quality: draft, preview, high or reference
     #[arg(long, value_name = "QUALITY", default_value = "preview", value_parser = quality)]
     pub quality: Quality,
     /// How a GPU integrates sunlight in the air: auto, rectified, epipolar, prefiltered, march or planes (the reference is exact)
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
     pub method: MethodFlag,
-    /// Take the coarsest quality whose measured relative RMSE is at most this
+    /// Use the coarsest quality whose measured relative RMSE is at most this
     #[arg(long, value_name = "X", value_parser = positive, conflicts_with_all = ["quality", "within"])]
     pub max_error: Option<f64>,
-    /// Take the finest quality whose time, measured on a GPU and predicted on the CPU, is at most this, in milliseconds
+    /// Use the finest quality whose time, measured on a GPU and predicted on the CPU, is at most this, in milliseconds
     #[arg(long, value_name = "MS", value_parser = positive, conflicts_with = "quality")]
     pub within: Option<f64>,
-    /// Leave out effects that surely add less than this share of the picture's mean luminance
+    /// Leave out effects that are certain to add less than this share of the picture's mean luminance
     #[arg(long, value_name = "X")]
     tolerance: Option<f64>,
     /// Set a knob of an effect
@@ -276,6 +276,6 @@ pub fn setting(text: &str) -> Result<(String, f64), String> {
     let value = value
         .trim()
         .parse()
-        .map_err(|_| format!("`{value}` is no number"))?;
+        .map_err(|_| format!("`{value}` is not a number"))?;
     Ok((target.trim().to_owned(), value))
 }

@@ -1,6 +1,6 @@
 //! `tyndall schema`: the JSON Schema of the scene file.
 
-use crate::stdout;
+use crate::tables::stdout;
 use clap::Args;
 
 /// Print the JSON Schema of the scene file

@@ -1,6 +1,6 @@
 //! `tyndall doctor`: what this machine offers, and what to install.
 
-use crate::stdout;
+use crate::tables::stdout;
 use std::fmt::Write;
 use tyndall::ephemeris::civil::tz_database;
 use tyndall::gpu::adapters::{self, Adapter, Report};
@@ -29,18 +29,18 @@ pub fn run(args: &DoctorArgs) -> tyndall::Result<()> {
             "advice": report.advice,
         }));
     }
-    stdout::print(&table(&report, cores))
+    stdout::print(table(&report, cores))
 }
 
-/// What `--backend auto` takes, and why.
+/// What `--backend auto` uses, and why.
 fn why(report: &Report) -> String {
     match (adapters::automatic(report), report.adapters.first()) {
-        (Some(adapter), _) => format!("takes {}: {}", adapter.name, adapter.kind.words()),
+        (Some(adapter), _) => format!("uses {}: {}", adapter.name, adapter.kind.words()),
         (None, Some(software)) => format!(
-            "takes the CPU reference: there is only a software adapter ({}), which `--backend gpu` takes",
+            "uses the CPU reference: there is only a software adapter ({}), which `--backend gpu` accepts",
             software.name
         ),
-        (None, None) => "takes the CPU reference: there is no graphics adapter".into(),
+        (None, None) => "uses the CPU reference: there is no graphics adapter".into(),
     }
 }
 
@@ -62,7 +62,7 @@ fn table(report: &Report, cores: usize) -> String {
     }
     if !report.hidden.is_empty() {
         text.push_str(
-            "\nthere, but not usable (the driver does not pass its own interface's tests)\n",
+            "\npresent, but not usable (the driver does not pass the conformance tests of its interface)\n",
         );
     }
     for adapter in &report.hidden {
@@ -156,7 +156,7 @@ mod tests {
         };
         let text = table(&report, 2);
         for words in [
-            "backend auto  takes Some card: hardware, discrete",
+            "backend auto  uses Some card: hardware, discrete",
             "time zones    IANA",
             "any size, of which a shader sees 128 MiB",
         ] {
@@ -169,7 +169,7 @@ mod tests {
         let text = table(&report, 2);
         for words in [
             "adapters  none",
-            "takes the CPU reference",
+            "uses the CPU reference",
             "not usable",
             "install something",
         ] {

@@ -1,8 +1,11 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
+use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
+use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::backend::{self, Backend, BackendFlag, Done};
-use crate::scene_args::{PlanArgs, SceneArgs};
-use crate::{choose, stdout, tell};
+use crate::choose;
+use crate::tables::stdout;
+use crate::tell;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -14,7 +17,7 @@ use tyndall::colour::{Space, display, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
-use tyndall::output::{self, Format, OutputSpace};
+use tyndall::output::{self, Format};
 use tyndall::plan::{Overrules, Plan, Quality};
 
 /// Make a picture for a place, a date and a time
@@ -24,10 +27,10 @@ pub struct RenderArgs {
     scene: SceneArgs,
     #[command(flatten)]
     plan: PlanArgs,
-    /// What computes: auto takes a hardware adapter, else the CPU reference; gpu also takes a software adapter
+    /// What renders: auto uses a hardware adapter, else the CPU reference; gpu also accepts a software adapter
     #[arg(long, value_name = "BACKEND", default_value = "auto", value_enum)]
     backend: BackendFlag,
-    /// Compare about N random pixels with the reference at its finest, and tell the measured error
+    /// Compare about N random pixels with the reference at its finest, and report the measured error
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     check: Option<u64>,
     /// With --check: fail (exit status 1) when the picture's relative RMSE is above X
@@ -51,15 +54,9 @@ pub struct RenderArgs {
     /// Print what was done as JSON
     #[arg(long)]
     json: bool,
-    /// The most memory that the picture may take, in GiB
+    /// The most memory that rendering may use, in GiB
     #[arg(long, value_name = "GIB", default_value_t = 8.0)]
     max_memory: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub enum Exposure {
-    Auto,
-    Ev100(f64),
 }
 
 /// Renders.
@@ -130,14 +127,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
                     "the picture's relative RMSE is {:.3e}, above {most}",
                     check.picture().relative_rmse
                 ),
-                "take a higher --quality, or allow more with --fail-above",
+                "use a higher --quality, or allow more with --fail-above",
             ))
         }
         _ => Ok(()),
     }
 }
 
-/// The measured error, if it was asked for. The yardstick is the reference at its finest, with the same effects.
+/// The measured error, if it was asked for. It is compared with the reference at its finest, with the same effects.
 fn check(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> Result<Option<Check>> {
     let Some(count) = args.check else {
         return Ok(None);
@@ -205,31 +202,9 @@ fn report(
     })
 }
 
-pub fn output_space(space: Space) -> OutputSpace {
-    let c = space.chromaticities();
-    OutputSpace {
-        name: space.name(),
-        from_working: space.from_working(),
-        primaries: [c.red, c.green, c.blue].map(Into::into),
-        white: c.white.into(),
-    }
-}
-
-pub fn exposure_flag(text: &str) -> Result<Exposure, String> {
-    match text.parse::<f64>() {
-        _ if text == "auto" => Ok(Exposure::Auto),
-        Ok(ev) if (-20.0..=40.0).contains(&ev) => Ok(Exposure::Ev100(ev)),
-        _ => Err("auto, or an EV100 from -20 to 40, was expected".into()),
-    }
-}
-
-pub fn space(text: &str) -> Result<Space, String> {
-    text.parse().map_err(|e: tyndall::Error| e.remedy())
-}
-
 fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(share) if share >= 0.0 && share.is_finite() => Ok(share),
-        _ => Err("a share from 0 on was expected, say 0.02".into()),
+        _ => Err("a share of 0 or more was expected, as in 0.02".into()),
     }
 }

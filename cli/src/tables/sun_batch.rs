@@ -6,8 +6,9 @@ use tyndall::Result;
 use tyndall::ephemeris::civil::{self, Reading};
 use tyndall::ephemeris::{Air, Site, SunPosition, sun_position};
 
-use crate::batch::{Batch, Form, Row};
-use crate::sun::{SunArgs, columns};
+use crate::arguments::place_time::{SunArgs, TimeArgs};
+use crate::tables::batch::{Batch, Form, Row};
+use crate::tables::sun_columns::columns;
 
 const BATCH: Batch = Batch {
     known: &[
@@ -32,17 +33,12 @@ const BATCH: Batch = Batch {
     ],
 };
 
-/// Runs `tyndall sun --batch`.
-pub fn run(args: &SunArgs) -> Result<()> {
-    let path = args.batch.as_deref().unwrap_or(Path::new("-"));
-    let form = Form {
-        json: args.json,
-        strict: args.strict,
-    };
+/// Reads `path` (`-` is standard input) and prints every row with the sun's position.
+pub fn run(path: &Path, form: Form, times: &TimeArgs, sun: &SunArgs) -> Result<()> {
     BATCH.run(path, form, |row| {
-        let sun = position(args, row)?;
+        let position = position(times, sun, row)?;
         // The first columns of a position are those of a batch.
-        Ok(columns(&sun)[..BATCH.results.len()]
+        Ok(columns(&position)[..BATCH.results.len()]
             .iter()
             .map(|(_, value)| *value)
             .collect())
@@ -50,10 +46,10 @@ pub fn run(args: &SunArgs) -> Result<()> {
 }
 
 /// One row's position.
-fn position(args: &SunArgs, row: &Row) -> Result<SunPosition> {
+fn position(times: &TimeArgs, sun: &SunArgs, row: &Row) -> Result<SunPosition> {
     let here = |error| row.here(error);
     let site = Site::new(row.needed(1)?, row.needed(2)?, row.needed(3)?).map_err(here)?;
-    let standard = args.sun.air(&site).map_err(here)?;
+    let standard = sun.air(&site).map_err(here)?;
     let air = match (row.number(4)?, row.number(5)?) {
         (None, None) => standard,
         (pressure, temperature) => Air::new(
@@ -66,9 +62,9 @@ fn position(args: &SunArgs, row: &Row) -> Result<SunPosition> {
         .text(0)
         .ok_or_else(|| row.error("time is empty", "write a time, as in 2026-06-21T18:30:00Z"))?;
     let reading = Reading {
-        delta_t: row.number(6)?.or(args.time.delta_t),
-        ..args.time.reading(Some(&site))
+        delta_t: row.number(6)?.or(times.delta_t),
+        ..times.reading(Some(&site))
     };
     let instant = civil::instant_with(time, &reading).map_err(here)?;
-    Ok(sun_position(args.sun.tier, &instant, &site, &air))
+    Ok(sun_position(sun.tier, &instant, &site, &air))
 }

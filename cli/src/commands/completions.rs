@@ -1,6 +1,6 @@
 //! `tyndall completions` and `tyndall man`: made from the definitions that the command line itself is read with.
 
-use crate::stdout;
+use crate::tables::stdout;
 use clap::{Args, Command};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ pub fn run(args: &CompletionsArgs, mut command: Command) -> tyndall::Result<()> 
     let name = command.get_name().to_owned();
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut command, name, &mut script);
-    stdout::print(&String::from_utf8_lossy(&script))
+    stdout::print(script)
 }
 
 /// Print the manual page, or write all pages to a folder

@@ -6,9 +6,9 @@ use std::path::Path;
 use tyndall::{Error, Result};
 
 /// Prints `text` as it is.
-pub fn print(text: &str) -> Result<()> {
+pub fn print(text: impl AsRef<[u8]>) -> Result<()> {
     let mut out = lock();
-    out.bytes(text.as_bytes())?;
+    out.bytes(text.as_ref())?;
     out.finish()
 }
 
@@ -20,7 +20,7 @@ pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
             "please report this defect with the command",
         )
     })?;
-    print(&(text + "\n"))
+    print(text + "\n")
 }
 
 /// Buffered standard output. When its reader has gone, the rest is dropped in silence.

@@ -22,7 +22,7 @@ pub struct TimeArgs {
     /// The time zone of local times and of dates: IANA name or offset [default: looked up from --at]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = not_a_flag)]
     pub tz: Option<String>,
-    /// Which reading to take of a time that a clock change skips or repeats
+    /// Which reading to use of a time that a clock change skips or repeats
     #[arg(long, value_name = "earlier|later", value_parser = named::<Fold>)]
     pub fold: Option<Fold>,
     /// The scale of Julian dates; UTC is taken as UT1 (they differ by less than 0.9 s, 13.5 arcseconds of hour angle)
@@ -143,7 +143,7 @@ pub fn site(text: &str) -> Result<Site, String> {
             let metres = metres.trim();
             let metres = metres.strip_suffix('m').unwrap_or(metres).trim_end();
             number(metres)
-                .map_err(|_| format!("the elevation `{metres}` is no number of metres"))?
+                .map_err(|_| format!("the elevation `{metres}` is not a number of metres"))?
         }
     };
     Site::new(latitude, longitude, elevation).map_err(|error| {
@@ -169,7 +169,7 @@ fn degrees(text: &str, positive: char, negative: char) -> Result<f64, String> {
         _ => (text, None),
     };
     let body = body.trim_end().trim_end_matches('°');
-    let value = number(body).map_err(|_| format!("`{text}` is no number of degrees"))?;
+    let value = number(body).map_err(|_| format!("`{text}` is not a number of degrees"))?;
     match letter {
         Some(_) if value < 0.0 => Err(format!(
             "`{text}` has both a sign and a letter: leave out one"

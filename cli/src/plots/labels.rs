@@ -8,13 +8,13 @@ const RINGS: [(f64, f64); 4] = [(9.0, 0.0), (16.0, 6.0), (26.0, 14.0), (40.0, 24
 /// From what length on a label is tied to its point by a line.
 pub const TIED: f64 = 20.0;
 
-/// What a label at its worst may cost: a line of the plot across it costs as much as it is long.
-const DEAREST: f64 = 30.0;
+/// The highest cost of a label that is still drawn: a line of the plot across it costs as much as it is long.
+const HIGHEST_COST: f64 = 30.0;
 
 /// A rectangle: left, top, right, bottom.
 type Area = [f64; 4];
 
-/// What is taken already.
+/// What is occupied already.
 pub struct Room {
     frame: Area,
     taken: Vec<Area>,
@@ -38,21 +38,21 @@ impl Room {
         }
     }
 
-    /// Takes what lies around a point.
+    /// Occupies what lies around a point.
     pub fn mark(&mut self, [x, y]: [f64; 2], radius: f64) {
         self.taken
             .push([x - radius, y - radius, x + radius, y + radius]);
     }
 
-    /// Draws a line, which labels had better not cross.
+    /// Draws a line, which labels should not cross.
     pub fn line(&mut self, points: &[[f64; 2]]) {
         self.lines.extend(points.windows(2).map(|p| [p[0], p[1]]));
     }
 
-    /// The best place for a label of a width and a height, which it then takes; `None` where there is none worth having.
+    /// The best place for a label of a width and a height, which it then occupies; `None` where every place costs too much.
     pub fn place(&mut self, at: [f64; 2], size: [f64; 2]) -> Option<Place> {
         let mut best: Option<(f64, Place, Area)> = None;
-        for (length, dear) in RINGS {
+        for (length, ring_cost) in RINGS {
             for step in 0..16 {
                 // To the upper right first.
                 let turn = 22.5 * f64::from(step) - 180.0;
@@ -71,8 +71,8 @@ impl Room {
                     continue;
                 }
                 let crossed: f64 = self.lines.iter().map(|line| inside(*line, area)).sum();
-                let cost = dear + crossed + 0.03 * turn.abs();
-                if cost < DEAREST && best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+                let cost = ring_cost + crossed + 0.03 * turn.abs();
+                if cost < HIGHEST_COST && best.as_ref().is_none_or(|(least, ..)| cost < *least) {
                     best = Some((cost, Place { centre, length }, area));
                 }
             }
@@ -128,7 +128,7 @@ mod tests {
             let [x, y] = place.centre;
             let area = [x - 20.0, y - 7.0, x + 20.0, y + 7.0];
             assert!(areas.iter().all(|other| !meet(area, *other)));
-            assert!(inside([[0.0, 100.0], [200.0, 100.0]], area) < DEAREST);
+            assert!(inside([[0.0, 100.0], [200.0, 100.0]], area) < HIGHEST_COST);
             areas.push(area);
         }
         assert!((4..20).contains(&areas.len()), "{}", areas.len());

@@ -1,7 +1,7 @@
 //! A plot of error against cost, or of any two measured quantities: both axes logarithmic, the Pareto front behind.
 
-use crate::draw::{Anchor, Color, Drawing, escaped, text_width};
-use crate::labels::{Room, TIED};
+use crate::plots::draw::{Anchor, Color, Drawing, escaped, text_width};
+use crate::plots::labels::{Room, TIED};
 
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -384,7 +384,7 @@ impl Chart {
             return Err(Error::input(
                 &*plot.title,
                 "there is nothing to plot",
-                "give a point at least",
+                "give at least one point",
             ));
         }
         if !y[0].is_finite() {

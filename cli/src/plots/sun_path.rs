@@ -6,7 +6,7 @@ use tyndall::ephemeris::{Air, Almanac, Instant, Site, SunPosition, Tier};
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
-use crate::draw::{Anchor, Color, Drawing, text_width};
+use crate::plots::draw::{Anchor, Color, Drawing, text_width};
 
 const INK: Color = [20, 20, 20];
 const GRID: Color = [190, 190, 190];

@@ -1,0 +1,6 @@
+//! The flags that several commands share, and what their values mean.
+
+pub mod form;
+pub mod picture;
+pub mod place_time;
+pub mod scene;

@@ -1,0 +1,11 @@
+//! The commands, one file each.
+
+pub mod accuracy;
+pub mod accuracy_shafts;
+pub mod completions;
+pub mod doctor;
+pub mod plan;
+pub mod render;
+pub mod schema;
+pub mod sky;
+pub mod sun;

@@ -1,0 +1,6 @@
+//! Diagrams, written as SVG, PNG or HTML.
+
+pub mod draw;
+pub mod labels;
+pub mod plot;
+pub mod sun_path;

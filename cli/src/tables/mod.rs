@@ -1,0 +1,10 @@
+//! Rows in and out: what is printed on standard output, and tables that are read.
+
+pub mod batch;
+pub mod columns;
+pub mod rows;
+pub mod sky_batch;
+pub mod stdout;
+pub mod sun_batch;
+pub mod sun_columns;
+pub mod time_text;
