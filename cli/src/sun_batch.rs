@@ -4,7 +4,7 @@ use std::path::Path;
 
 use tyndall::Result;
 use tyndall::ephemeris::civil::{self, Reading};
-use tyndall::ephemeris::{Air, Site, SunPosition, sun_position};
+use tyndall::ephemeris::{Site, SunPosition, Weather, sun_position};
 
 use crate::batch::{Batch, Form, Row};
 use crate::sun::{SunArgs, columns};
@@ -53,10 +53,10 @@ pub fn run(args: &SunArgs) -> Result<()> {
 fn position(args: &SunArgs, row: &Row) -> Result<SunPosition> {
     let here = |error| row.here(error);
     let site = Site::new(row.needed(1)?, row.needed(2)?, row.needed(3)?).map_err(here)?;
-    let standard = args.sun.air(&site).map_err(here)?;
-    let air = match (row.number(4)?, row.number(5)?) {
+    let standard = args.sun.weather(&site).map_err(here)?;
+    let weather = match (row.number(4)?, row.number(5)?) {
         (None, None) => standard,
-        (pressure, temperature) => Air::new(
+        (pressure, temperature) => Weather::new(
             pressure.unwrap_or(standard.pressure_hpa()),
             temperature.unwrap_or(standard.temperature_c()),
         )
@@ -70,5 +70,5 @@ fn position(args: &SunArgs, row: &Row) -> Result<SunPosition> {
         ..args.time.reading(Some(&site))
     };
     let instant = civil::instant_with(time, &reading).map_err(here)?;
-    Ok(sun_position(args.sun.tier, &instant, &site, &air))
+    Ok(sun_position(args.sun.tier, &instant, &site, &weather))
 }

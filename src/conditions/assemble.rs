@@ -2,7 +2,7 @@
 
 use super::{Conditions, GroundPlane, Sun, checks, toward};
 use crate::ephemeris::civil::{self, Fold, Moment, Reading};
-use crate::ephemeris::{self, Site, SunPosition, Tier, TimeScale, sun_position};
+use crate::ephemeris::{Site, SunPosition, Tier, TimeScale, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
 use crate::medium::{Air, clear};
 use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
@@ -220,7 +220,7 @@ fn sun_path(scene: &Scene, instant: &Instant) -> SunPath {
     let position = &instant.position;
     SunPath {
         distance_au: position.distance_au,
-        pressure_hpa: ephemeris::Air::standard(&instant.site).pressure_hpa(),
+        pressure_hpa: Weather::standard(&instant.site).pressure_hpa(),
         ..SunPath::standard(position.elevation_apparent, turbidity(&scene.sky))
     }
 }
@@ -268,13 +268,13 @@ fn read_instant(entry: &crate::scene::SiteEntry, time: &str, request: &Request) 
             delta_t: request.delta_t,
         },
     )?;
-    let standard = ephemeris::Air::standard(&site);
-    let air = ephemeris::Air::new(
+    let standard = Weather::standard(&site);
+    let weather = Weather::new(
         request.pressure_hpa.unwrap_or(standard.pressure_hpa()),
         request.temperature_c.unwrap_or(standard.temperature_c()),
     )?;
     Ok(Instant {
-        position: sun_position(request.tier, &moment.instant, &site, &air),
+        position: sun_position(request.tier, &moment.instant, &site, &weather),
         site,
         moment,
         tier: request.tier,

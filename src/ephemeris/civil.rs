@@ -17,10 +17,11 @@ use tzf_rs::EmbeddedFinder;
 use super::site::Site;
 use super::time::{Instant, TimeScale};
 use super::written::{
-    bad_remedy, bad_time, check_leap_second, julian_date, julian_digits, parse, parse_date,
-    parse_offset,
+    bad_remedy, bad_time, check_leap_second, julian_date, julian_digits, parse, parse_offset,
 };
 use crate::error::{Error, Result};
+
+pub use super::written::date_alone;
 
 static FINDER: LazyLock<EmbeddedFinder> = LazyLock::new(EmbeddedFinder::new);
 static ZONES: LazyLock<TimeZoneDatabase> = LazyLock::new(TimeZoneDatabase::bundled);
@@ -424,24 +425,6 @@ pub fn instant_with(text: &str, reading: &Reading) -> Result<Instant> {
         }
         None => Ok(resolve_with(text, reading)?.instant),
     }
-}
-
-/// The civil date in a text that is a date alone (`2026-06-21`), or `None` if it is not of that form.
-///
-/// # Errors
-/// [`Error::Input`] for a date that does not exist.
-pub fn date_alone(text: &str) -> Result<Option<NaiveDate>> {
-    let text = text.trim();
-    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
-    let parts: Vec<&str> = unsigned.split('-').collect();
-    if parts.len() != 3
-        || !parts
-            .iter()
-            .all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
-    {
-        return Ok(None);
-    }
-    parse_date(text, text).map(Some)
 }
 
 /// The clock by which a site's dates are counted: the zone named, or the site's own.
