@@ -1,8 +1,9 @@
 //! Sunlight scattered once toward the eye along one ray: the integral that every method takes over its lit runs.
 
+use super::Air;
 use super::exponential::{attenuated, exponential_integral, gauss};
 use super::height::HeightTerm;
-use super::{Air, FARTHEST};
+use super::shape::FARTHEST;
 use glam::DVec3;
 
 /// A piece of a ray on which every homogeneous medium is either there or not and its depth toward the sun is linear.

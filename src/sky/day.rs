@@ -6,13 +6,15 @@
 //! the horizon of a plain clear day (at 35 degrees and turbidity 3: x, y 0.279, 0.288 and 0.345, 0.340, where path-traced
 //! skies have 0.291, 0.309 and 0.313, 0.340). They remain the colours of `preetham`.
 
+use super::angles::angle_between;
 use super::cie::{self, Kind};
 use super::gradation::Gradation;
+use super::hemisphere;
 use super::hosek::Hosek;
+use super::model::{Irradiance, Model};
 use super::perez::{self, Bins, State};
 use super::preetham::{self, Preetham};
 use super::twilight::smoothstep;
-use super::{Irradiance, Model, angle_between, hemisphere};
 use crate::colour::{
     Space, WORKING_FROM_XYZ, into_gamut, luminance, working_from_xyz, xyz_from_working,
     xyz_from_xyy,

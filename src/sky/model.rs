@@ -1,7 +1,56 @@
-//! Sky models by the names that people write.
+//! The sky models with their parameters, and the names that people write for them.
 
-use super::{Irradiance, Model};
 use crate::error::{Error, Result};
+
+/// The turbidity that is taken when nothing is said: a clear day.
+pub const DEFAULT_TURBIDITY: f64 = 3.0;
+
+/// A sky model and its parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Model {
+    /// Perez, Seals & Michalsky 1993, all-weather.
+    Perez {
+        /// Turbidity [1] of the clear sky that is taken when no irradiance is given, and of the sky's colour; 1 to 10.
+        turbidity: f64,
+        /// What a weather station measures; absent: a clear sky.
+        irradiance: Option<Irradiance>,
+    },
+    /// Preetham, Shirley & Smits 1999.
+    Preetham {
+        /// Turbidity [1], 2 to 10.
+        turbidity: f64,
+    },
+    /// Hosek & Wilkie 2012.
+    Hosek {
+        /// Turbidity [1], 1 to 10.
+        turbidity: f64,
+        /// Albedo of the ground far around, 0 to 1.
+        albedo: f64,
+    },
+    /// CIE S 011 general sky.
+    Cie {
+        /// 1 to 15, or 16 for the traditional overcast sky.
+        kind: u8,
+        /// Turbidity [1] of the sky's colour where there are no clouds; 1 to 10.
+        turbidity: f64,
+        /// What sets its level; absent: what is typical of the type.
+        irradiance: Option<Irradiance>,
+    },
+    /// The same white luminance everywhere, whatever the sun: for tests and comparisons.
+    Uniform {
+        /// Luminance [cd/m2], finite and not negative.
+        luminance: f64,
+    },
+}
+
+/// Broadband solar irradiance, as weather files carry it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Irradiance {
+    /// Direct normal [W/m2], not negative.
+    pub direct_normal: f64,
+    /// Diffuse horizontal [W/m2], not negative.
+    pub diffuse_horizontal: f64,
+}
 
 impl Model {
     /// The model of a name: `perez`, `preetham`, `hosek`, `cie:1` to `cie:16`, `uniform:CD_PER_M2`.
@@ -50,5 +99,27 @@ impl Model {
             ));
         }
         Ok(model)
+    }
+
+    /// The turbidity that goes with the model's clear sky [1].
+    pub fn turbidity(&self) -> f64 {
+        match self {
+            Model::Perez { turbidity, .. }
+            | Model::Preetham { turbidity }
+            | Model::Hosek { turbidity, .. }
+            | Model::Cie { turbidity, .. } => *turbidity,
+            Model::Uniform { .. } => DEFAULT_TURBIDITY,
+        }
+    }
+
+    /// The name on the command line.
+    pub fn name(&self) -> String {
+        match self {
+            Model::Perez { .. } => "perez".into(),
+            Model::Preetham { .. } => "preetham".into(),
+            Model::Hosek { .. } => "hosek".into(),
+            Model::Cie { kind, .. } => format!("cie:{kind}"),
+            Model::Uniform { .. } => "uniform".into(),
+        }
     }
 }

@@ -17,14 +17,14 @@ impl Sky {
     pub(crate) fn table(&self) -> Vec<f32> {
         let mut table: Vec<f64> = Vec::new();
         let vector = |table: &mut Vec<f64>, v: DVec3| table.extend(v.to_array());
-        let day = self.day.as_ref();
-        let dusk = self.twilight.as_ref();
+        let day = self.blend.day.as_ref();
+        let dusk = self.blend.twilight.as_ref();
         // The order is that of the constants in the shader.
         table.push(day.map_or(0.0, |(day, _)| day.form_number()));
         vector(&mut table, self.toward_sun);
         table.extend([self.toward_azimuth.x, self.toward_azimuth.z]);
-        vector(&mut table, self.uniform);
-        vector(&mut table, self.cloud);
+        vector(&mut table, self.blend.uniform);
+        vector(&mut table, self.blend.cloud);
         table.push(day.map_or(0.0, |(_, scale)| *scale));
         table.push(day.map_or(0.0, |(day, _)| day.grey));
         table.push(dusk.map_or(0.0, |(_, scale)| *scale));
