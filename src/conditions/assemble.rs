@@ -50,7 +50,7 @@ pub enum CameraChoice {
 
 /// Place, time, and where that puts the sun.
 #[derive(Debug, Clone)]
-pub struct Instant {
+pub struct SolarGeometry {
     /// The place.
     pub site: Site,
     /// The time and how it was read.
@@ -175,13 +175,16 @@ fn given_sun(
                 ..SunLight::of_illuminance(full, angular_radius, elevation)
             }
         }
-        (None, Some(sky)) => sky.sunlight(path)?,
+        // The disc is as large as the user says, whatever the path's distance.
+        (None, Some(sky)) => SunLight {
+            angular_radius,
+            ..sky.sunlight(path)?
+        },
         (None, None) => unreachable!("a sun without illuminance has a sky"),
     };
     let sun = Sun {
         toward,
         light,
-        angular_radius,
         limb_darkening: entry.diameter_deg.is_none(),
     };
     Ok((sun, sky))
@@ -190,7 +193,7 @@ fn given_sun(
 /// The sun of a place and a time, and its sky.
 fn real_sun(
     scene: &Scene,
-    instant: &Instant,
+    instant: &SolarGeometry,
     path: &SunPath,
     north: f64,
     albedo: f64,
@@ -208,15 +211,18 @@ fn real_sun(
     )?;
     let sun = Sun {
         toward,
-        light: sky.sunlight(path)?,
-        angular_radius: position.angular_radius,
+        light: SunLight {
+            // The ephemeris has it already; of the path it would be the same but for the last bit.
+            angular_radius: position.angular_radius,
+            ..sky.sunlight(path)?
+        },
         limb_darkening: true,
     };
     Ok((sun, sky))
 }
 
 /// What the sunlight of a place and a time comes through.
-fn sun_path(scene: &Scene, instant: &Instant) -> SunPath {
+fn sun_path(scene: &Scene, instant: &SolarGeometry) -> SunPath {
     let position = &instant.position;
     SunPath {
         distance_au: position.distance_au,
@@ -226,7 +232,7 @@ fn sun_path(scene: &Scene, instant: &Instant) -> SunPath {
 }
 
 /// The scene's place and time, and where the sun stands then.
-fn instant(scene: &Scene, request: &Request) -> Result<Instant> {
+fn instant(scene: &Scene, request: &Request) -> Result<SolarGeometry> {
     let missing = match (&scene.site, &scene.time) {
         (Some(entry), Some(time)) => return read_instant(entry, time, request),
         (None, Some(_)) => "it has a time but no place",
@@ -256,7 +262,11 @@ fn instant(scene: &Scene, request: &Request) -> Result<Instant> {
     ))
 }
 
-fn read_instant(entry: &crate::scene::SiteEntry, time: &str, request: &Request) -> Result<Instant> {
+fn read_instant(
+    entry: &crate::scene::SiteEntry,
+    time: &str,
+    request: &Request,
+) -> Result<SolarGeometry> {
     let site = Site::new(entry.latitude_deg, entry.longitude_deg, entry.elevation)?;
     let moment = civil::resolve_with(
         time,
@@ -273,7 +283,7 @@ fn read_instant(entry: &crate::scene::SiteEntry, time: &str, request: &Request) 
         request.pressure_hpa.unwrap_or(standard.pressure_hpa()),
         request.temperature_c.unwrap_or(standard.temperature_c()),
     )?;
-    Ok(Instant {
+    Ok(SolarGeometry {
         position: sun_position(request.tier, &moment.instant, &site, &weather),
         site,
         moment,

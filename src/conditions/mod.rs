@@ -8,7 +8,7 @@ mod lines;
 mod penumbra;
 mod sun;
 
-pub use assemble::{CameraChoice, Instant, Request};
+pub use assemble::{CameraChoice, Request, SolarGeometry};
 pub use sun::{Sun, SunPoint};
 
 use crate::colour::luminance;
@@ -37,7 +37,7 @@ pub struct Conditions {
     /// The sky, if there is one.
     pub sky: Option<Sky>,
     /// Place and time, unless the user put the sun where it is.
-    pub instant: Option<Instant>,
+    pub instant: Option<SolarGeometry>,
     /// The endless ground, if there is one.
     pub ground: Option<GroundPlane>,
     /// The media.

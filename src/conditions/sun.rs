@@ -3,7 +3,6 @@
 use crate::colour::luminance;
 use crate::sky::{SunLight, sun};
 use glam::{DMat2, DVec2, DVec3};
-use std::f64::consts::PI;
 
 /// The sun as the scene sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,8 +11,6 @@ pub struct Sun {
     pub toward: DVec3,
     /// Its light before the scene's own media.
     pub light: SunLight,
-    /// Angular radius of the disc [rad]; 0 is a point.
-    pub angular_radius: f64,
     /// Whether the disc darkens toward its limb; a disc of given diameter is uniform.
     pub limb_darkening: bool,
 }
@@ -30,7 +27,7 @@ pub struct SunPoint {
 impl Sun {
     /// Whether any part of it is above the horizon and gives light.
     pub fn shines(&self) -> bool {
-        luminance(self.light.illuminance) > 0.0 && self.toward.y > -self.angular_radius.sin()
+        luminance(self.light.illuminance) > 0.0 && self.toward.y > -self.angular_radius().sin()
     }
 
     /// Illuminance on a plane that faces it [lx].
@@ -38,9 +35,14 @@ impl Sun {
         luminance(self.light.illuminance)
     }
 
+    /// Angular radius of the disc [rad]; 0 is a point.
+    pub fn angular_radius(&self) -> f64 {
+        self.light.angular_radius
+    }
+
     /// Solid angle of the whole disc [sr].
     pub fn solid_angle(&self) -> f64 {
-        4.0 * PI * (0.5 * self.angular_radius).sin().powi(2)
+        self.light.solid_angle()
     }
 
     fn limb(&self, rho: f64) -> DVec3 {
@@ -110,13 +112,13 @@ impl Sun {
     ///
     /// They lie on a spiral whose mean and spread are the disc's; together they give [`SunLight::illuminance`].
     pub fn points(&self, count: usize) -> Vec<SunPoint> {
-        let places = if self.angular_radius == 0.0 || count < 2 {
+        let places = if self.angular_radius() == 0.0 || count < 2 {
             vec![(DVec2::ZERO, DVec3::ONE)]
         } else {
             self.spiral(count)
         };
         let (x, y) = self.toward.any_orthonormal_pair();
-        let (sin_radius, _) = self.angular_radius.sin_cos();
+        let (sin_radius, _) = self.angular_radius().sin_cos();
         let place = |(at, weight): (DVec2, DVec3)| {
             let offset = sin_radius * at;
             let toward =
@@ -155,7 +157,6 @@ mod tests {
         for limb_darkening in [false, true] {
             let sun = Sun {
                 toward: DVec3::new(0.3, 0.8, -0.2).normalize(),
-                angular_radius: 0.00465,
                 light: SunLight {
                     illuminance: DVec3::ONE,
                     full_illuminance: DVec3::ONE,
@@ -174,7 +175,7 @@ mod tests {
                 let points = sun.points(count);
                 assert_eq!(points.len(), count);
                 let place = |p: &SunPoint| {
-                    DVec2::new(p.toward.dot(x), p.toward.dot(y)) / sun.angular_radius.sin()
+                    DVec2::new(p.toward.dot(x), p.toward.dot(y)) / sun.angular_radius().sin()
                 };
                 let mean = |of: &dyn Fn(DVec2) -> f64| -> f64 {
                     points
