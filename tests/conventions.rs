@@ -9,9 +9,10 @@ use wgpu::naga;
 
 /// The modules of the library: each uses only those that stand before it. Modules that share a line do not use each
 /// other.
-const ORDER: [&[&str]; 16] = [
+const ORDER: [&[&str]; 17] = [
     &["units"],
     &["error"],
+    &["warning"],
     &["colour"],
     &["ephemeris"],
     &["sky"],
@@ -197,7 +198,7 @@ fn modules_use_what_stands_before_them() {
 const CIRCULAR: [&str; 2] = ["cli/src", "src/effect"];
 
 /// What the compiler reads of a file outside its unit tests, which stand at its end.
-fn tested_code(text: &str) -> String {
+fn code_without_tests(text: &str) -> String {
     code(text.split("#[cfg(test)]").next().unwrap_or_default())
 }
 
@@ -225,7 +226,7 @@ fn imports(folder: &str, files: &Files) -> BTreeMap<String, BTreeSet<String>> {
     let passed_on = passed_on(own);
     let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for (path, text) in files {
-        let code = tested_code(text);
+        let code = code_without_tests(text);
         let Some(user) = part(path) else {
             if owner.as_ref() == Some(path) {
                 let uses = code.split(';').filter(|s| !is_passing_on(s));

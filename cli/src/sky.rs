@@ -4,7 +4,7 @@ use crate::backend::{Backend, BackendFlag};
 use crate::batch::Form;
 use crate::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::render::{self, Exposure};
-use crate::{scene_args, sky_batch, stdout};
+use crate::{scene_args, sky_batch, stdout, tell};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -126,9 +126,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     }
     let formats = output::check_targets(&args.output)?;
     let subject = subject(args)?;
-    for warning in subject.sky.warnings() {
-        eprintln!("warning    {warning}");
-    }
+    tell::warnings(subject.sky.warnings());
     let facts = facts(args, &subject);
     if args.json {
         stdout::print_json(&facts.iter().cloned().collect::<serde_json::Map<_, _>>())?;

@@ -17,7 +17,7 @@ use tyndall::{Error, Result};
 
 use crate::place_time::{self, PlaceArgs, TimeArgs};
 use crate::time_text::{time_text, write_time};
-use crate::{stdout, sun_batch, sun_path};
+use crate::{stdout, sun_batch, sun_path, tell};
 
 /// The flags of `tyndall sun`.
 #[derive(Args, Debug)]
@@ -91,9 +91,7 @@ pub fn run(args: &SunArgs) -> Result<()> {
         When::Moment(moment) => moment.clock.clone(),
     };
     if let When::Moment(moment) = &when {
-        for warning in &moment.warnings {
-            eprintln!("warning: {warning}");
-        }
+        tell::warnings(&moment.warnings);
     }
     let context = Context {
         args,

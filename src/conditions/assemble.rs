@@ -9,6 +9,7 @@ use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
 use crate::sky::sun::{SunPath, visible_part};
 use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
 use crate::units::{DEG, SUN_DIAMETER};
+use crate::warning::{UnusedLight, Warning};
 use glam::DVec3;
 
 /// What is asked of a scene beside what it says itself.
@@ -320,24 +321,23 @@ fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
     )
 }
 
-fn unused_lights(scene: &Scene) -> String {
-    let names: Vec<String> = scene
-        .lights
-        .iter()
-        .map(|light| {
-            let (kind, unit) = match light.kind {
-                PunctualKind::Directional => ("directional", "lx"),
-                PunctualKind::Point => ("point", "cd"),
-                PunctualKind::Spot { .. } => ("spot", "cd"),
-            };
-            format!(
-                "`{}` ({kind}, {:.0} {unit})",
-                light.name,
-                light.color.max_element()
-            )
-        })
-        .collect();
-    format!("lights of the file that are not used: {}", names.join(", "))
+fn unused_lights(scene: &Scene) -> Warning {
+    let lights = scene.lights.iter().map(|light| {
+        let (kind, unit) = match light.kind {
+            PunctualKind::Directional => ("directional", "lx"),
+            PunctualKind::Point => ("point", "cd"),
+            PunctualKind::Spot { .. } => ("spot", "cd"),
+        };
+        UnusedLight {
+            name: light.name.clone(),
+            kind,
+            intensity: light.color.max_element(),
+            unit,
+        }
+    });
+    Warning::UnusedLights {
+        lights: lights.collect(),
+    }
 }
 
 /// The camera, and where it comes from.

@@ -15,6 +15,7 @@ use crate::colour::luminance;
 use crate::medium::{Air, Shape};
 use crate::scene::{Camera, Geometry, Scene};
 use crate::sky::Sky;
+use crate::warning::Warning;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -42,8 +43,8 @@ pub struct Conditions {
     pub ground: Option<GroundPlane>,
     /// The media.
     pub air: Air,
-    /// What was left out, is doubtful or approximate, one sentence each.
-    pub warnings: Vec<String>,
+    /// What was left out, is doubtful or approximate.
+    pub warnings: Vec<Warning>,
 }
 
 /// The endless plane below everything.

@@ -20,6 +20,7 @@ use super::written::{
     bad_remedy, bad_time, check_leap_second, julian_date, julian_digits, parse, parse_offset,
 };
 use crate::error::{Error, Result};
+use crate::warning::Warning;
 
 pub use super::written::date_alone;
 
@@ -283,7 +284,7 @@ pub struct Moment {
     /// The time zone database, where one was asked.
     pub tz_database: Option<String>,
     /// What looks odd and is taken as written, say an offset far from the longitude's.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// The clock by which the site's dates are counted.
     pub clock: Zone,
 }
@@ -448,12 +449,11 @@ fn finish(instant: Instant, utc: DateTime<Utc>, clock: Zone, reading: &Reading) 
         let apart = f64::from(offset_seconds) / 3600.0 - site.longitude_deg() / 15.0;
         let apart = apart - 24.0 * (apart / 24.0).round();
         if apart.abs() > 3.0 {
-            warnings.push(format!(
-                "the clock ({}) is {:.1} hours off the sun's at longitude {:.3}: is the place or the offset meant otherwise?",
-                offset_text(offset_seconds),
-                apart.abs(),
-                site.longitude_deg()
-            ));
+            warnings.push(Warning::ClockFarFromSun {
+                offset: offset_text(offset_seconds),
+                hours: apart.abs(),
+                longitude_deg: site.longitude_deg(),
+            });
         }
     }
     Ok(Moment {

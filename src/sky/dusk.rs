@@ -15,6 +15,7 @@ use super::twilight::{self, Twilight, smoothstep};
 use super::{cie, hemisphere};
 use crate::colour::{luminance, working_from_xyz, xyz_from_xyy};
 use crate::error::{Error, Result};
+use crate::warning::Warning;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -37,8 +38,8 @@ pub(super) struct Blend {
     pub cloud: DVec3,
     /// Horizontal illuminance of all of it [lx, RGB].
     pub illuminance: DVec3,
-    /// What a user should know, one sentence each.
-    pub warnings: Vec<String>,
+    /// What a user should know.
+    pub warnings: Vec<Warning>,
 }
 
 impl Blend {

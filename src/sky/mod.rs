@@ -35,6 +35,7 @@ pub use sun::{SunAt, SunLight, SunPath};
 use crate::colour::luminance;
 use crate::error::{Error, Result};
 use crate::units::DEG;
+use crate::warning::Warning;
 use day::{Day, Position};
 use dusk::Blend;
 use glam::DVec3;
@@ -168,8 +169,8 @@ impl Sky {
         }
     }
 
-    /// What a user should know about this sky, one sentence each.
-    pub fn warnings(&self) -> &[String] {
+    /// What a user should know about this sky.
+    pub fn warnings(&self) -> &[Warning] {
         &self.blend.warnings
     }
 }
