@@ -80,7 +80,7 @@ impl TimeArgs {
 }
 
 impl SunArgs {
-    /// The air at a site.
+    /// Pressure and temperature at a site: those of the flags, else of the standard atmosphere.
     ///
     /// # Errors
     /// [`Error::Domain`] for a pressure or temperature out of range.
