@@ -7,7 +7,7 @@ use std::hint::black_box;
 use chrono::{DateTime, TimeDelta, Utc};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use solar_positioning::{Location, RefractionCorrection, SolarPositions};
-use tyndall::ephemeris::{Air, Almanac, Directions, Instant, Site, Tier, sun_position};
+use tyndall::ephemeris::{Almanac, Directions, Instant, Site, Tier, Weather, sun_position};
 
 const DELTA_T: f64 = 69.2;
 
@@ -20,11 +20,13 @@ fn year(tier: Tier, times: &[DateTime<Utc>]) -> f64 {
     let (site, instant) = (site(), |utc| {
         Instant::from_utc_with(utc, DELTA_T).expect("a time")
     });
-    let air = Air::standard(&site);
+    let weather = Weather::standard(&site);
     let almanac = Almanac::new(tier, &instant(times[0]), &instant(times[times.len() - 1]));
     times
         .iter()
-        .map(|&utc| black_box(almanac.sun_position(&instant(utc), &site, &air)).elevation_apparent)
+        .map(|&utc| {
+            black_box(almanac.sun_position(&instant(utc), &site, &weather)).elevation_apparent
+        })
         .sum()
 }
 
@@ -33,8 +35,15 @@ fn directions(tier: Tier, first: DateTime<Utc>, last: DateTime<Utc>, count: usiz
     let (site, instant) = (site(), |utc| {
         Instant::from_utc_with(utc, DELTA_T).expect("a time")
     });
-    let air = Air::standard(&site);
-    Directions::new(tier, &instant(first), &instant(last), count, &site, &air)
+    let weather = Weather::standard(&site);
+    Directions::new(
+        tier,
+        &instant(first),
+        &instant(last),
+        count,
+        &site,
+        &weather,
+    )
 }
 
 /// The same by solar-positioning.
@@ -85,13 +94,13 @@ fn benchmarks(c: &mut Criterion) {
     group.throughput(Throughput::Elements(times.len() as u64));
     for tier in Tier::ALL {
         group.bench_function(tier.to_string(), |b| {
-            let (site, air) = (site(), Air::standard(&site()));
+            let (site, weather) = (site(), Weather::standard(&site()));
             b.iter_batched(
                 || (),
                 |()| {
                     for &utc in &times {
                         let instant = Instant::from_utc_with(utc, DELTA_T).expect("a time");
-                        black_box(sun_position(tier, &instant, &site, &air));
+                        black_box(sun_position(tier, &instant, &site, &weather));
                     }
                 },
                 BatchSize::SmallInput,

@@ -36,6 +36,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`units`], [`error`] | the unit rule; one error: what was wrong, where, the valid range, what to do |
+//! | [`warning`] | what was left out, is doubtful or approximate, and what to do |
 //! | [`beam`] | light from a direction or a place, which shadows and scattering go by |
 //! | [`colour`] | spectra, CIE 1931, RGB spaces, exposure, display transform |
 //! | [`ephemeris`] | where the sun is, at four prices; times and zones as people write them |
@@ -77,5 +78,7 @@ pub mod scene;
 pub mod sky;
 pub mod studies;
 pub mod units;
+pub mod warning;
 
 pub use error::{Error, Result};
+pub use warning::Warning;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use tyndall::gpu::adapters::{Kind, report};
+use tyndall::gpu::adapters::{AdapterKind, report};
 
 #[test]
 fn adapters_have_what_webgpu_promises() {
@@ -21,11 +21,11 @@ fn adapters_have_what_webgpu_promises() {
         assert!(["vulkan", "metal", "dx12"].contains(&adapter.backend.as_str()));
         // Mesa's software driver is called what it is.
         if adapter.name.contains("llvmpipe") {
-            assert_eq!(adapter.kind, Kind::Software);
+            assert_eq!(adapter.kind, AdapterKind::Software);
         }
         assert!(!report.hidden.contains(adapter));
     }
-    let kinds: Vec<Kind> = report.adapters.iter().map(|a| a.kind).collect();
+    let kinds: Vec<AdapterKind> = report.adapters.iter().map(|a| a.kind).collect();
     assert!(kinds.is_sorted(), "{kinds:?}");
     let hardware = report.adapters.iter().any(|a| a.is_hardware());
     assert_eq!(report.advice.is_empty(), hardware);

@@ -238,7 +238,7 @@ fn at_each_event_the_sun_is_where_it_says() {
         (40.7, -74.0, "America/New_York"),
     ] {
         let site = site(latitude, longitude);
-        let air = Air::standard(&site);
+        let weather = Weather::standard(&site);
         for month in 1..=12 {
             for tier in [Tier::Spa, Tier::Arcsecond] {
                 let events = events(&format!("2026-{month:02}-21"), zone, &site, tier);
@@ -251,7 +251,7 @@ fn at_each_event_the_sun_is_where_it_says() {
                     (&events.blue, -4.0),
                 ] {
                     for instant in crossings.rising.iter().chain(&crossings.setting) {
-                        let sun = sun_position(tier, instant, &site, &air);
+                        let sun = sun_position(tier, instant, &site, &weather);
                         assert!(
                             (sun.elevation_true - level * DEG).abs() < 0.1 * ARCSEC,
                             "{latitude} {month} {level}"
@@ -260,14 +260,14 @@ fn at_each_event_the_sun_is_where_it_says() {
                     }
                     for instant in &crossings.rising {
                         assert!(
-                            sun_position(tier, &instant.plus_seconds(10.0), &site, &air)
+                            sun_position(tier, &instant.plus_seconds(10.0), &site, &weather)
                                 .elevation_true
                                 > level * DEG
                         );
                     }
                 }
                 for instant in &events.noon {
-                    let sun = sun_position(tier, instant, &site, &air);
+                    let sun = sun_position(tier, instant, &site, &weather);
                     assert!(sun.hour_angle.abs() < 0.1 * ARCSEC);
                 }
                 assert_eq!(events.noon.len(), 1);

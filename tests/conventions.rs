@@ -9,9 +9,10 @@ use wgpu::naga;
 
 /// The modules of the library: each uses only those that stand before it. Modules that share a line do not use each
 /// other.
-const ORDER: [&[&str]; 16] = [
+const ORDER: [&[&str]; 17] = [
     &["units"],
     &["error"],
+    &["warning"],
     &["colour"],
     &["ephemeris"],
     &["sky"],
@@ -103,12 +104,18 @@ fn module(path: &str) -> &str {
     path.split(['/', '.']).next().unwrap_or_default()
 }
 
-/// What the crate's root passes on under its own name, and from which module.
+/// Whether a statement is `pub use` of any visibility.
+fn is_passing_on(statement: &str) -> bool {
+    let statement = statement.trim();
+    statement.starts_with("pub use ")
+        || (statement.starts_with("pub(") && statement.contains(") use "))
+}
+
+/// What a file passes on under its own name, and from which module.
 fn passed_on(root: &str) -> BTreeMap<String, String> {
     let code = code(root);
-    let uses = code
-        .split(';')
-        .filter_map(|s| s.trim().strip_prefix("pub use "));
+    let uses = code.split(';').filter(|s| is_passing_on(s));
+    let uses = uses.filter_map(|s| Some(s.split_once("use ")?.1));
     let mut names = BTreeMap::new();
     for path in uses {
         let path = path.trim_start_matches("crate::");
@@ -183,6 +190,161 @@ fn modules_use_what_stands_before_them() {
     ] {
         let complaints = against_the_order(&made_up(&[("src/lib.rs", lib), bad]));
         assert_eq!(complaints.len(), 1, "{bad:?}: {complaints:?}");
+    }
+}
+
+/// Folders whose files still import each other in circles.
+// to be emptied
+const CIRCULAR: [&str; 2] = ["cli/src", "src/effect"];
+
+/// What the compiler reads of a file outside its unit tests, which stand at its end.
+fn code_without_tests(text: &str) -> String {
+    code(text.split("#[cfg(test)]").next().unwrap_or_default())
+}
+
+/// The file that holds a folder's own items, relative to which its files say `super`.
+fn owner(folder: &str, files: &Files) -> Option<String> {
+    ["mod.rs", "lib.rs", "main.rs"]
+        .map(|name| format!("{folder}/{name}"))
+        .into_iter()
+        .chain([format!("{folder}.rs")])
+        .find(|path| files.contains_key(path))
+}
+
+/// Which part of a folder uses which: its files and subfolders by name, its owner by its whole path.
+///
+/// The owner is used for what it defines itself, not for what it passes on, and passing on is no use.
+fn imports(folder: &str, files: &Files) -> BTreeMap<String, BTreeSet<String>> {
+    let owner = owner(folder, files);
+    let own = owner.as_ref().map_or("", |path| files[path].as_str());
+    let part = |path: &str| {
+        let rest = path.strip_prefix(folder)?.strip_prefix('/')?;
+        let name = rest.split(['/', '.']).next().unwrap_or_default();
+        (Some(path) != owner.as_deref()).then(|| name.to_owned())
+    };
+    let parts: BTreeSet<String> = files.keys().filter_map(|path| part(path)).collect();
+    let passed_on = passed_on(own);
+    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (path, text) in files {
+        let code = code_without_tests(text);
+        let Some(user) = part(path) else {
+            if owner.as_ref() == Some(path) {
+                let uses = code.split(';').filter(|s| !is_passing_on(s));
+                let code = uses.collect::<Vec<_>>().join(";");
+                let names = |name: &&String| {
+                    ["", "self::"]
+                        .iter()
+                        .any(|prefix| !paths_after(&code, &format!("{prefix}{name}::")).is_empty())
+                };
+                let used = parts.iter().filter(names).cloned();
+                graph.entry(path.clone()).or_default().extend(used);
+            }
+            continue;
+        };
+        let below = &path[folder.len() + 1..];
+        // A file of a subfolder says `super` once more, but for the one that owns the subfolder.
+        let depth = below.matches('/').count() + usize::from(!below.ends_with("/mod.rs"));
+        let root = folder.split_once("src").map_or("", |(_, rest)| rest);
+        let absolute = format!("crate{}::", root.replace('/', "::"));
+        for prefix in ["super::".repeat(depth), absolute] {
+            for name in paths_after(&code, &prefix) {
+                let name = passed_on.get(&name).unwrap_or(&name);
+                let used = match (parts.contains(name), &owner) {
+                    (true, _) => name,
+                    (false, Some(owner)) if name != "super" => owner,
+                    _ => continue,
+                };
+                if *used != user {
+                    graph.entry(user.clone()).or_default().insert(used.clone());
+                }
+            }
+        }
+    }
+    graph
+}
+
+/// All that a part uses, directly or through others.
+fn reached<'g>(graph: &'g BTreeMap<String, BTreeSet<String>>, from: &'g str) -> BTreeSet<&'g str> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![from];
+    while let Some(part) = open.pop() {
+        let used = graph.get(part).into_iter().flatten();
+        open.extend(used.map(String::as_str).filter(|part| found.insert(*part)));
+    }
+    found
+}
+
+/// Folders of which some files use each other, directly or through others.
+fn import_cycles(files: &Files) -> Vec<String> {
+    let folder = |path: &String| path.rsplit_once('/').map(|(folder, _)| folder.to_owned());
+    let folders: BTreeSet<String> = files.keys().filter_map(folder).collect();
+    let mut complaints = Vec::new();
+    for folder in folders {
+        let graph = imports(&folder, files);
+        let reached: BTreeMap<_, _> = graph
+            .keys()
+            .map(|part| (part.as_str(), reached(&graph, part)))
+            .collect();
+        let mut said = BTreeSet::new();
+        for (part, there) in &reached {
+            let back = |other: &&str| reached.get(*other).is_some_and(|all| all.contains(part));
+            let circle: Vec<&str> = there.iter().copied().filter(back).collect();
+            if !circle.is_empty() && said.insert(circle.clone()) {
+                complaints.push(format!("{folder}: {} use each other", circle.join(", ")));
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn files_do_not_import_each_other_in_circles() {
+    let mut files = texts("src", &[".rs"]);
+    files.extend(texts("cli/src", &[".rs"]));
+    let mut complaints = import_cycles(&files);
+    complaints.retain(|complaint| {
+        let folder = complaint.split(':').next().unwrap_or_default();
+        !CIRCULAR.contains(&folder)
+    });
+    assert_eq!(complaints, [""; 0]);
+
+    let owner = (
+        "src/sky/mod.rs",
+        "mod day;\npub use day::{Day, Form};\nuse perez::Bins;",
+    );
+    let good = [
+        owner,
+        (
+            "src/sky/day.rs",
+            "use super::perez;\nuse crate::sky::sun::Disc;",
+        ),
+        (
+            "src/sky/perez.rs",
+            "use super::sun;\n#[cfg(test)]\nmod tests { use super::super::day::Day; }",
+        ),
+        (
+            "src/sky/sun.rs",
+            "//! [`super::Sky`]\nuse crate::units::DEG;",
+        ),
+        ("src/sky/sun/disc.rs", "use super::Limb;"),
+        ("cli/src/main.rs", "mod sun;\nfn main() { sun::run() }"),
+        ("cli/src/sun.rs", "use crate::stdout::Out;"),
+        ("cli/src/stdout.rs", "use tyndall::sun;"),
+    ];
+    assert_eq!(import_cycles(&made_up(&good)), [""; 0]);
+    for bad in [
+        // Two files, three files, a file and a subfolder, a file and the owner.
+        ("src/sky/perez.rs", "use super::{day, sun};"),
+        ("src/sky/sun.rs", "fn f() { crate::sky::day::g() }"),
+        ("src/sky/sun/disc.rs", "use super::super::perez::Bins;"),
+        ("src/sky/perez.rs", "use super::{Form, sun};"),
+        ("src/sky/perez.rs", "use super::Sky;"),
+        ("cli/src/stdout.rs", "use crate::sun::Columns;"),
+        ("cli/src/sun.rs", "use crate::Settings;"),
+    ] {
+        let mut files = made_up(&good);
+        files.extend(made_up(&[bad]));
+        assert_eq!(import_cycles(&files).len(), 1, "{bad:?}");
     }
 }
 

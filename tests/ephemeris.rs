@@ -11,7 +11,7 @@ use tyndall::units::{ARCSEC, DEG};
 struct Row {
     instant: Instant,
     site: Site,
-    air: Air,
+    weather: Weather,
     erfa: [f64; 5],
     pvlib: [f64; 4],
 }
@@ -29,7 +29,7 @@ impl Random {
     }
 }
 
-type Case = (Instant, Site, Air);
+type Case = (Instant, Site, Weather);
 
 fn utc(text: &str) -> Instant {
     Instant::from_utc(text.parse::<DateTime<Utc>>().unwrap()).unwrap()
@@ -49,8 +49,8 @@ fn cases() -> Vec<Case> {
                 random.next(-180.0, 180.0),
                 random.next(-400.0, 6000.0),
             );
-            let air = Air::new(random.next(400.0, 1050.0), random.next(-40.0, 45.0));
-            (instant, site.unwrap(), air.unwrap())
+            let weather = Weather::new(random.next(400.0, 1050.0), random.next(-40.0, 45.0));
+            (instant, site.unwrap(), weather.unwrap())
         })
         .collect();
     let times = [
@@ -81,7 +81,7 @@ fn cases() -> Vec<Case> {
     for time in times {
         for (latitude, longitude, elevation) in places {
             let site = Site::new(latitude, longitude, elevation).unwrap();
-            cases.push((utc(time), site, Air::standard(&site)));
+            cases.push((utc(time), site, Weather::standard(&site)));
         }
     }
     // The sun on the horizon and at the zenith.
@@ -95,7 +95,7 @@ fn cases() -> Vec<Case> {
             let instant =
                 Instant::from_julian(date.plus_seconds(hours * 3600.0), TimeScale::Utc, None)
                     .unwrap();
-            cases.push((instant, site, Air::standard(&site)));
+            cases.push((instant, site, Weather::standard(&site)));
         }
     }
     cases
@@ -104,7 +104,7 @@ fn cases() -> Vec<Case> {
 /// The cases with what ERFA and pvlib say; `None` (and noted) without the test Python.
 fn rows(test: &str, cases: &[Case]) -> Option<Vec<Row>> {
     let mut input = String::new();
-    for (instant, site, air) in cases {
+    for (instant, site, weather) in cases {
         let ut = instant.ut();
         input += &format!(
             "{} {} {} {} {} {} {} {}\n",
@@ -114,15 +114,15 @@ fn rows(test: &str, cases: &[Case]) -> Option<Vec<Row>> {
             site.latitude_deg(),
             site.longitude_deg(),
             site.elevation(),
-            air.pressure_hpa(),
-            air.temperature_c()
+            weather.pressure_hpa(),
+            weather.temperature_c()
         );
     }
     let output = common::python(test, "ephemeris.py", &input)?;
     let rows: Vec<Row> = output
         .lines()
         .zip(cases)
-        .map(|(line, &(instant, site, air))| {
+        .map(|(line, &(instant, site, weather))| {
             let n: Vec<f64> = line
                 .split_whitespace()
                 .map(|cell| cell.parse().unwrap())
@@ -130,7 +130,7 @@ fn rows(test: &str, cases: &[Case]) -> Option<Vec<Row>> {
             Row {
                 instant,
                 site,
-                air,
+                weather,
                 erfa: [n[0], n[1], n[2], n[3], n[4]],
                 pvlib: [n[5], n[6], n[7], n[8]],
             }
@@ -162,7 +162,12 @@ fn error(rows: &[Row], tier: Tier, shift: f64) -> (f64, f64) {
     let errors: Vec<f64> = rows
         .iter()
         .map(|row| {
-            let sun = sun_position(tier, &row.instant.plus_seconds(shift), &row.site, &row.air);
+            let sun = sun_position(
+                tier,
+                &row.instant.plus_seconds(shift),
+                &row.site,
+                &row.weather,
+            );
             apart(
                 sun.direction(false),
                 unit(row.erfa[0] * DEG, row.erfa[1] * DEG),
@@ -201,7 +206,7 @@ fn every_tier_keeps_its_bound_against_erfa() {
         );
     }
     for row in &rows {
-        let sun = sun_position(Tier::Arcsecond, &row.instant, &row.site, &row.air);
+        let sun = sun_position(Tier::Arcsecond, &row.instant, &row.site, &row.weather);
         let geocentric = apart(
             unit(sun.right_ascension, sun.declination),
             unit(row.erfa[2] * DEG, row.erfa[3] * DEG),
@@ -222,7 +227,7 @@ fn spa_is_pvlib_s_spa() {
         return;
     };
     for row in &rows {
-        let sun = sun_position(Tier::Spa, &row.instant, &row.site, &row.air);
+        let sun = sun_position(Tier::Spa, &row.instant, &row.site, &row.weather);
         // The two differ by the earth's radius (6378.137 against 6378.14 km) and by rounding: measured 0.0005".
         let distance = apart(
             sun.direction(false),
@@ -248,17 +253,17 @@ fn far_years_keep_the_looser_bound() {
     // `minute` are up to 80 arcseconds off in addition: their sidereal time of 1982 lacks the fourth power of time.
     let mut random = Random(11);
     let site = Site::new(45.0, 0.0, 0.0).unwrap();
-    let air = Air::standard(&site);
+    let weather = Weather::standard(&site);
     let mut worst = [(0.0_f64, 0.0_f64); 3];
     for _ in 0..4000 {
         let date = Julian::new(random.next(990_600.0, 3_912_800.0), random.next(0.0, 1.0));
         let instant = Instant::from_julian(date, TimeScale::Ut1, None).unwrap();
-        let truth = sun_position(Tier::Arcsecond, &instant, &site, &air);
+        let truth = sun_position(Tier::Arcsecond, &instant, &site, &weather);
         for (tier, worst) in [Tier::Spa, Tier::Minute, Tier::Day]
             .into_iter()
             .zip(&mut worst)
         {
-            let sun = sun_position(tier, &instant, &site, &air);
+            let sun = sun_position(tier, &instant, &site, &weather);
             let place = |s: &SunPosition| unit(s.right_ascension, s.declination);
             worst.0 = worst.0.max(apart(place(&sun), place(&truth)));
             worst.1 = worst
@@ -286,7 +291,7 @@ fn meeus_example_25b() {
     let instant =
         Instant::from_julian(Julian::new(2_448_908.5, 0.0), TimeScale::Tt, Some(59.0)).unwrap();
     let site = Site::new(0.0, 0.0, 0.0).unwrap();
-    let sun = sun_position(Tier::Arcsecond, &instant, &site, &Air::standard(&site));
+    let sun = sun_position(Tier::Arcsecond, &instant, &site, &Weather::standard(&site));
     let seconds = sun.right_ascension / DEG * 240.0 - (13.0 * 3600.0 + 13.0 * 60.0);
     assert!((seconds - 30.749).abs() < 0.006, "{seconds}");
     let declination = -sun.declination / ARCSEC - (7.0 * 3600.0 + 47.0 * 60.0);
@@ -319,9 +324,9 @@ fn the_almanac_is_the_ephemeris() {
                 let instant = start.plus_seconds(random.next(-86_400.0, 41.0 * 86_400.0));
                 let site =
                     Site::new(random.next(-90.0, 90.0), random.next(-180.0, 180.0), 0.0).unwrap();
-                let air = Air::standard(&site);
-                let exact = sun_position(tier, &instant, &site, &air);
-                let fast = almanac.sun_position(&instant, &site, &air);
+                let weather = Weather::standard(&site);
+                let exact = sun_position(tier, &instant, &site, &weather);
+                let fast = almanac.sun_position(&instant, &site, &weather);
                 worst = worst.max(apart(exact.direction(false), fast.direction(false)));
                 assert!((exact.distance_au - fast.distance_au).abs() < 1e-9);
                 assert!(
@@ -362,14 +367,14 @@ fn directions_are_the_ephemeris() {
                 random.next(0.0, 4000.0),
             )
             .unwrap();
-            let air = Air::standard(&site);
-            let fast = Directions::new(tier, &start, &end, count as usize, &site, &air);
+            let weather = Weather::standard(&site);
+            let fast = Directions::new(tier, &start, &end, count as usize, &site, &weather);
             let worst = |late: f64| {
                 (0..count as usize)
                     .step_by(7)
                     .map(|i| {
                         let instant = start.plus_seconds(step * i as f64 + late);
-                        let sun = sun_position(tier, &instant, &site, &air);
+                        let sun = sun_position(tier, &instant, &site, &weather);
                         let apparent = unit(fast.azimuth[i], fast.elevation_apparent[i]);
                         apart(
                             sun.direction(false),
@@ -396,7 +401,14 @@ fn directions_are_the_ephemeris() {
     }
     let site = Site::new(0.0, 0.0, 0.0).unwrap();
     let start = utc("2026-03-20T12:00:00Z");
-    let none = Directions::new(Tier::Spa, &start, &start, 0, &site, &Air::standard(&site));
+    let none = Directions::new(
+        Tier::Spa,
+        &start,
+        &start,
+        0,
+        &site,
+        &Weather::standard(&site),
+    );
     assert_eq!(none, Directions::default());
 }
 
@@ -404,7 +416,7 @@ fn directions_are_the_ephemeris() {
 fn the_elevation_has_no_jump() {
     // Ten seconds turn the sky by 150.4 arcseconds; no tier may move the sun by more in any of these nights.
     let site = Site::new(10.0, 0.0, 0.0).unwrap();
-    let air = Air::standard(&site);
+    let weather = Weather::standard(&site);
     for tier in Tier::ALL {
         for night in [
             "1900-02-28T12:00:00Z",
@@ -418,9 +430,14 @@ fn the_elevation_has_no_jump() {
             "2024-12-31T12:00:00Z",
         ] {
             let start = utc(night);
-            let mut last = sun_position(tier, &start, &site, &air);
+            let mut last = sun_position(tier, &start, &site, &weather);
             for i in 1..=8640 {
-                let now = sun_position(tier, &start.plus_seconds(10.0 * f64::from(i)), &site, &air);
+                let now = sun_position(
+                    tier,
+                    &start.plus_seconds(10.0 * f64::from(i)),
+                    &site,
+                    &weather,
+                );
                 let moved = apart(last.direction(false), now.direction(false));
                 assert!(
                     moved < 151.0 * ARCSEC,
@@ -450,7 +467,7 @@ proptest! {
         let instant = Instant::from_julian(Julian::new(jd, fraction), TimeScale::Ut1, None);
         prop_assume!(instant.is_ok());
         let instant = instant.unwrap();
-        let sun = sun_position(tier, &instant, &site, &Air::new(pressure, temperature).unwrap());
+        let sun = sun_position(tier, &instant, &site, &Weather::new(pressure, temperature).unwrap());
         for value in [
             sun.azimuth, sun.elevation_true, sun.elevation_apparent, sun.declination, sun.right_ascension, sun.hour_angle,
             sun.equation_of_time_minutes, sun.distance_au, sun.angular_radius, sun.air_mass(), sun.irradiance_factor,
@@ -465,7 +482,7 @@ proptest! {
         // A turn of longitude is no change of place.
         if longitude.abs() <= 180.0 {
             let turned = Site::new(latitude, longitude + 360.0, elevation).unwrap();
-            let again = sun_position(tier, &instant, &turned, &Air::standard(&site));
+            let again = sun_position(tier, &instant, &turned, &Weather::standard(&site));
             prop_assert!(apart(sun.direction(false), again.direction(false)) < 1e-11);
         }
     }

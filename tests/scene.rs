@@ -90,7 +90,7 @@ fn gltf_says_all_that_it_holds() {
         "KHR_materials_transmission (1)",
     ] {
         assert!(
-            scene.warnings[0].contains(what),
+            scene.warnings[0].message().contains(what),
             "{what}: {}",
             scene.warnings[0]
         );
@@ -219,7 +219,8 @@ fn textures_that_cannot_be_read_are_warnings() {
         scene
             .warnings
             .iter()
-            .any(|w| w.contains("webp.glb, textures[0]") && w.contains("EXT_texture_webp"))
+            .any(|w| w.message().contains("webp.glb, textures[0]")
+                && w.message().contains("EXT_texture_webp"))
     );
 
     let (mut json, bin) = example();
@@ -228,7 +229,10 @@ fn textures_that_cannot_be_read_are_warnings() {
         .load("gone.glb", glb(&json, &bin))
         .expect("it loads without");
     assert!(
-        scene.warnings.iter().any(|w| w.contains("gone away.png")),
+        scene
+            .warnings
+            .iter()
+            .any(|w| w.message().contains("gone away.png")),
         "{:?}",
         scene.warnings
     );
@@ -243,7 +247,7 @@ fn textures_that_cannot_be_read_are_warnings() {
         scene
             .warnings
             .iter()
-            .any(|w| w.contains("texture left out")),
+            .any(|w| w.message().contains("texture left out")),
         "{:?}",
         scene.warnings
     );
@@ -466,7 +470,7 @@ fn degenerate_triangles_are_counted_and_dropped() {
         scene
             .warnings
             .iter()
-            .any(|w| w.contains("some.obj") && w.contains("2 triangles")),
+            .any(|w| w.message().contains("some.obj") && w.message().contains("2 triangles")),
         "{:?}",
         scene.warnings
     );
@@ -508,7 +512,10 @@ fn obj_with_materials() {
     let (_, most) = scene.mesh.bounds().expect("there are triangles");
     assert_eq!(most.x, 1_000_000.001, "coordinates are read as f64");
     assert!(
-        scene.warnings.iter().any(|w| w.contains("Ks (1)")),
+        scene
+            .warnings
+            .iter()
+            .any(|w| w.message().contains("Ks (1)")),
         "{:?}",
         scene.warnings
     );
@@ -520,7 +527,10 @@ fn obj_with_materials() {
         )
         .expect("it loads");
     assert!(
-        scene.warnings.iter().any(|w| w.contains("gone.mtl")),
+        scene
+            .warnings
+            .iter()
+            .any(|w| w.message().contains("gone.mtl")),
         "{:?}",
         scene.warnings
     );
@@ -552,7 +562,7 @@ fn obj_with_materials() {
 #[test]
 fn the_built_in_scene_stands_on_its_own() {
     let nave = Scene::builtin("nave").expect("it loads");
-    assert_eq!(nave.warnings, [""; 0], "nothing is left out or doubtful");
+    assert_eq!(nave.warnings, [], "nothing is left out or doubtful");
     assert!((10_000..=40_000).contains(&nave.mesh.triangles.len()));
     assert!(nave.time.is_some() && nave.site.is_some() && nave.camera.is_some());
     assert_eq!(nave.textures.len(), 2);

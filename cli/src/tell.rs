@@ -7,6 +7,7 @@ use std::time::Duration;
 use tyndall::conditions::Conditions;
 use tyndall::effect::Contribution;
 use tyndall::plan::Plan;
+use tyndall::warning::Warning;
 
 fn line(label: &str, text: impl std::fmt::Display) {
     eprintln!("{label:<11}{text}");
@@ -23,8 +24,16 @@ pub fn conditions(conditions: &Conditions) {
             line("", part);
         }
     }
-    for warning in &conditions.warnings {
+    warnings(&conditions.warnings);
+}
+
+/// What was left out, is doubtful or approximate, and what can be done about it.
+pub fn warnings(warnings: &[Warning]) {
+    for warning in warnings {
         line("warning", warning);
+        if let Some(advice) = warning.advice() {
+            line("", format!("help: {advice}"));
+        }
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::{Conditions, GroundPlane, Receivers, Sun, View, checks, toward};
 use crate::ephemeris::civil::{self, Fold, Moment, Reading};
-use crate::ephemeris::{self, Site, SunPosition, Tier, TimeScale, sun_position};
+use crate::ephemeris::{Site, SunPosition, Tier, TimeScale, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
 use crate::medium::{Air, clear};
 use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
 use crate::sky::sun::{SunPath, visible_part};
 use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
 use crate::units::{DEG, SUN_DIAMETER};
+use crate::warning::{UnusedLight, Warning};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -51,7 +52,7 @@ pub enum CameraChoice {
 
 /// Place, time, and where that puts the sun.
 #[derive(Debug, Clone)]
-pub struct Instant {
+pub struct SolarGeometry {
     /// The place.
     pub site: Site,
     /// The time and how it was read.
@@ -66,7 +67,7 @@ pub struct Instant {
 struct AtMoment {
     sun: Sun,
     sky: Option<Arc<Sky>>,
-    instant: Option<Instant>,
+    instant: Option<SolarGeometry>,
     air: Air,
 }
 
@@ -202,7 +203,7 @@ fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> 
 }
 
 /// What is said of the scene, the time and the sky.
-fn warnings(scene: &Scene, moment: &AtMoment) -> Vec<String> {
+fn warnings(scene: &Scene, moment: &AtMoment) -> Vec<Warning> {
     let mut warnings = scene.warnings.clone();
     if let Some(instant) = &moment.instant {
         warnings.extend(instant.moment.warnings.iter().cloned());
@@ -250,13 +251,16 @@ fn given_sun(
                 ..SunLight::of_illuminance(full, angular_radius, elevation)
             }
         }
-        (None, Some(sky)) => sky.sunlight(path)?,
+        // The disc is as large as the user says, whatever the path's distance.
+        (None, Some(sky)) => SunLight {
+            angular_radius,
+            ..sky.sunlight(path)?
+        },
         (None, None) => unreachable!("a sun without illuminance has a sky"),
     };
     let sun = Sun {
         toward,
         light,
-        angular_radius,
         limb_darkening: entry.diameter_deg.is_none(),
     };
     Ok((sun, sky))
@@ -265,7 +269,7 @@ fn given_sun(
 /// The sun of a place and a time, and its sky.
 fn real_sun(
     scene: &Scene,
-    instant: &Instant,
+    instant: &SolarGeometry,
     path: &SunPath,
     north: f64,
     albedo: f64,
@@ -283,25 +287,28 @@ fn real_sun(
     )?;
     let sun = Sun {
         toward,
-        light: sky.sunlight(path)?,
-        angular_radius: position.angular_radius,
+        light: SunLight {
+            // The ephemeris has it already; of the path it would be the same but for the last bit.
+            angular_radius: position.angular_radius,
+            ..sky.sunlight(path)?
+        },
         limb_darkening: true,
     };
     Ok((sun, sky))
 }
 
 /// What the sunlight of a place and a time comes through.
-fn sun_path(scene: &Scene, instant: &Instant) -> SunPath {
+fn sun_path(scene: &Scene, instant: &SolarGeometry) -> SunPath {
     let position = &instant.position;
     SunPath {
         distance_au: position.distance_au,
-        pressure_hpa: ephemeris::Air::standard(&instant.site).pressure_hpa(),
+        pressure_hpa: Weather::standard(&instant.site).pressure_hpa(),
         ..SunPath::standard(position.elevation_apparent, turbidity(&scene.sky))
     }
 }
 
 /// The scene's place and time, and where the sun stands then.
-fn instant(scene: &Scene, time: Option<&str>, request: &Request) -> Result<Instant> {
+fn instant(scene: &Scene, time: Option<&str>, request: &Request) -> Result<SolarGeometry> {
     let missing = match (&scene.site, time) {
         (Some(entry), Some(time)) => return read_instant(entry, time, request),
         (None, Some(_)) => "it has a time but no place",
@@ -331,7 +338,11 @@ fn instant(scene: &Scene, time: Option<&str>, request: &Request) -> Result<Insta
     ))
 }
 
-fn read_instant(entry: &crate::scene::SiteEntry, time: &str, request: &Request) -> Result<Instant> {
+fn read_instant(
+    entry: &crate::scene::SiteEntry,
+    time: &str,
+    request: &Request,
+) -> Result<SolarGeometry> {
     let site = Site::new(entry.latitude_deg, entry.longitude_deg, entry.elevation)?;
     let moment = civil::resolve_with(
         time,
@@ -343,13 +354,13 @@ fn read_instant(entry: &crate::scene::SiteEntry, time: &str, request: &Request) 
             delta_t: request.delta_t,
         },
     )?;
-    let standard = ephemeris::Air::standard(&site);
-    let air = ephemeris::Air::new(
+    let standard = Weather::standard(&site);
+    let weather = Weather::new(
         request.pressure_hpa.unwrap_or(standard.pressure_hpa()),
         request.temperature_c.unwrap_or(standard.temperature_c()),
     )?;
-    Ok(Instant {
-        position: sun_position(request.tier, &moment.instant, &site, &air),
+    Ok(SolarGeometry {
+        position: sun_position(request.tier, &moment.instant, &site, &weather),
         site,
         moment,
         tier: request.tier,
@@ -385,24 +396,23 @@ fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
     )
 }
 
-fn unused_lights(scene: &Scene) -> String {
-    let names: Vec<String> = scene
-        .lights
-        .iter()
-        .map(|light| {
-            let (kind, unit) = match light.kind {
-                PunctualKind::Directional => ("directional", "lx"),
-                PunctualKind::Point => ("point", "cd"),
-                PunctualKind::Spot { .. } => ("spot", "cd"),
-            };
-            format!(
-                "`{}` ({kind}, {:.0} {unit})",
-                light.name,
-                light.color.max_element()
-            )
-        })
-        .collect();
-    format!("lights of the file that are not used: {}", names.join(", "))
+fn unused_lights(scene: &Scene) -> Warning {
+    let lights = scene.lights.iter().map(|light| {
+        let (kind, unit) = match light.kind {
+            PunctualKind::Directional => ("directional", "lx"),
+            PunctualKind::Point => ("point", "cd"),
+            PunctualKind::Spot { .. } => ("spot", "cd"),
+        };
+        UnusedLight {
+            name: light.name.clone(),
+            kind,
+            intensity: light.color.max_element(),
+            unit,
+        }
+    });
+    Warning::UnusedLights {
+        lights: lights.collect(),
+    }
 }
 
 /// The camera, and where it comes from.

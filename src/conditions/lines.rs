@@ -118,7 +118,7 @@ impl Conditions {
         facts.push(("sun_illuminance_lx", self.sun.illuminance_lux().into()));
         facts.push((
             "sun_angular_diameter_deg",
-            (2.0 * self.sun.angular_radius / DEG).into(),
+            (2.0 * self.sun.angular_radius() / DEG).into(),
         ));
         match &self.sky {
             None => facts.push(("sky", "none".into())),

@@ -10,7 +10,7 @@ mod penumbra;
 mod sun;
 mod view;
 
-pub use assemble::{CameraChoice, Instant, Request};
+pub use assemble::{CameraChoice, Request, SolarGeometry};
 pub use inputs::{Input, Snapshot};
 pub use sun::Sun;
 pub use view::{Receiver, Receivers, View};
@@ -19,6 +19,7 @@ use crate::colour::luminance;
 use crate::medium::{Air, Shape};
 use crate::scene::{Geometry, Scene};
 use crate::sky::Sky;
+use crate::warning::Warning;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -41,13 +42,13 @@ pub struct Conditions {
     /// The sky, if there is one.
     pub sky: Option<Arc<Sky>>,
     /// Place and time, unless the user put the sun where it is.
-    pub instant: Option<Instant>,
+    pub instant: Option<SolarGeometry>,
     /// The endless ground, if there is one.
     pub ground: Option<GroundPlane>,
     /// The media.
     pub air: Air,
-    /// What was left out, is doubtful or approximate, one sentence each.
-    pub warnings: Vec<String>,
+    /// What was left out, is doubtful or approximate.
+    pub warnings: Vec<Warning>,
     /// What was asked for, so that it can be asked of another moment.
     request: Request,
 }

@@ -25,7 +25,7 @@ impl Conditions {
         let radius = 0.5 * (high - low).length();
         let down = -self.sun.toward;
         // The lower edge of the disc throws the longest shadows.
-        let lowest = (self.sun.toward.y.clamp(-1.0, 1.0).asin() - self.sun.angular_radius).sin();
+        let lowest = (self.sun.toward.y.clamp(-1.0, 1.0).asin() - self.sun.angular_radius()).sin();
         if lowest <= 0.0 {
             return f64::INFINITY;
         }
@@ -52,7 +52,7 @@ impl Conditions {
         } else {
             1.0
         };
-        let width = (length + radius) * 2.0 * self.sun.angular_radius.tan() * stretch;
+        let width = (length + radius) * 2.0 * self.sun.angular_radius().tan() * stretch;
         let along = (self.view.camera.eye - middle).dot(down).clamp(0.0, length);
         let nearest = self.view.camera.eye.distance(middle + along * down) - radius;
         let pixel = self.smallest_pixel();

@@ -4,7 +4,6 @@ use crate::beam::Beam;
 use crate::colour::luminance;
 use crate::sky::{SunLight, sun};
 use glam::{DMat2, DVec2, DVec3};
-use std::f64::consts::PI;
 
 /// The sun as the scene sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,8 +12,6 @@ pub struct Sun {
     pub toward: DVec3,
     /// Its light before the scene's own media.
     pub light: SunLight,
-    /// Angular radius of the disc [rad]; 0 is a point.
-    pub angular_radius: f64,
     /// Whether the disc darkens toward its limb; a disc of given diameter is uniform.
     pub limb_darkening: bool,
 }
@@ -22,7 +19,7 @@ pub struct Sun {
 impl Sun {
     /// Whether any part of it is above the horizon and gives light.
     pub fn shines(&self) -> bool {
-        luminance(self.light.illuminance) > 0.0 && self.toward.y > -self.angular_radius.sin()
+        luminance(self.light.illuminance) > 0.0 && self.toward.y > -self.angular_radius().sin()
     }
 
     /// Illuminance on a plane that faces it [lx].
@@ -30,9 +27,14 @@ impl Sun {
         luminance(self.light.illuminance)
     }
 
+    /// Angular radius of the disc [rad]; 0 is a point.
+    pub fn angular_radius(&self) -> f64 {
+        self.light.angular_radius
+    }
+
     /// Solid angle of the whole disc [sr].
     pub fn solid_angle(&self) -> f64 {
-        4.0 * PI * (0.5 * self.angular_radius).sin().powi(2)
+        self.light.solid_angle()
     }
 
     fn limb(&self, rho: f64) -> DVec3 {
@@ -103,13 +105,13 @@ impl Sun {
     /// They lie on a spiral whose mean and spread are the disc's; together they give [`SunLight::illuminance`]. Their extent is
     /// the radius of a circle with as much of the disc as each has.
     pub fn beams(&self, count: usize) -> Vec<Beam> {
-        let places = if self.angular_radius == 0.0 || count < 2 {
+        let places = if self.angular_radius() == 0.0 || count < 2 {
             vec![(DVec2::ZERO, DVec3::ONE)]
         } else {
             self.spiral(count)
         };
         let (x, y) = self.toward.any_orthonormal_pair();
-        let (sin_radius, _) = self.angular_radius.sin_cos();
+        let (sin_radius, _) = self.angular_radius().sin_cos();
         let place = |(at, weight): (DVec2, DVec3)| {
             let offset = sin_radius * at;
             let toward =
@@ -129,7 +131,7 @@ impl Sun {
             points.push((top.normalize(), DVec3::ONE));
         }
         let sum: DVec3 = points.iter().map(|(_, weight)| *weight).sum();
-        let angular_radius = self.angular_radius / (points.len() as f64).sqrt();
+        let angular_radius = self.angular_radius() / (points.len() as f64).sqrt();
         points
             .into_iter()
             .map(|(toward, weight)| Beam::Parallel {
@@ -150,7 +152,6 @@ mod tests {
         for limb_darkening in [false, true] {
             let sun = Sun {
                 toward: DVec3::new(0.3, 0.8, -0.2).normalize(),
-                angular_radius: 0.00465,
                 light: SunLight {
                     illuminance: DVec3::ONE,
                     full_illuminance: DVec3::ONE,
@@ -170,7 +171,7 @@ mod tests {
                 assert_eq!(points.len(), count);
                 let place = |p: &Beam| {
                     let toward = p.toward_from(DVec3::ZERO);
-                    DVec2::new(toward.dot(x), toward.dot(y)) / sun.angular_radius.sin()
+                    DVec2::new(toward.dot(x), toward.dot(y)) / sun.angular_radius().sin()
                 };
                 let mean = |of: &dyn Fn(DVec2) -> f64| -> f64 {
                     points

@@ -72,7 +72,7 @@ pub fn decide(conditions: &Conditions) -> Decision {
     if media.iter().all(|m| m.scattering.max_element() == 0.0) {
         return Decision::nothing("no medium scatters light");
     }
-    let from = if conditions.sun.angular_radius > 0.0 && conditions.widest_penumbra() < 1.0 {
+    let from = if conditions.sun.angular_radius() > 0.0 && conditions.widest_penumbra() < 1.0 {
         ", as from a point: no edge of a shadow is as wide as a pixel"
     } else {
         ""

@@ -22,7 +22,7 @@ pub const SUN_DISC: Effect = Effect {
         if !sun.shines() {
             return Decision::nothing("the sun is below the horizon");
         }
-        if sun.angular_radius == 0.0 {
+        if sun.angular_radius() == 0.0 {
             return Decision::nothing("a point sun has no disc");
         }
         let brightest = Contribution::Bound(sun.illuminance_lux() / sun.solid_angle());
@@ -57,7 +57,7 @@ pub const SUN_DISC: Effect = Effect {
 fn in_picture(conditions: &Conditions) -> bool {
     let [w, h] = conditions.view.size;
     let sun = &conditions.sun;
-    let reach = sun.angular_radius + pixel_angle(conditions);
+    let reach = sun.angular_radius() + pixel_angle(conditions);
     match conditions.view.camera.projection {
         Projection::Panorama => true,
         Projection::Orthographic { .. } => {
@@ -139,7 +139,7 @@ struct Disc {
 impl Disc {
     fn new(sun: &Sun) -> Self {
         let axis = sun.toward.any_orthonormal_vector();
-        let edge = 2.0 * (0.5 * sun.angular_radius).sin();
+        let edge = 2.0 * (0.5 * sun.angular_radius()).sin();
         let rings = (0..RINGS)
             .map(|i| {
                 // Rings of even steps in the cosine mu = sqrt(1 - rho^2), which is what the luminance depends on.
@@ -152,7 +152,7 @@ impl Disc {
         Disc {
             toward: sun.toward,
             axes: [axis, sun.toward.cross(axis)],
-            radius: sun.angular_radius,
+            radius: sun.angular_radius(),
             rings,
         }
     }

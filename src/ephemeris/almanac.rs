@@ -7,11 +7,14 @@
 //! With h = 2 days these are 0.0001 (13.7 days), 0.0006 (9.1) and 0.001 arcseconds (5.6). The bound of the whole is
 //! 0.01 arcseconds; 0.003 are measured (`tests/ephemeris.rs`).
 
+use super::julian::Julian;
 use super::place::{Place, half_turn};
 use super::position::{SunPosition, geocentric, observe, place_at};
-use super::site::{Air, Site};
-use super::time::{Instant, Julian};
-use super::{Tier, spa};
+use super::site::Site;
+use super::spa;
+use super::tier::Tier;
+use super::time::Instant;
+use super::weather::Weather;
 
 /// The distance of the tabulated places [days].
 const STEP: f64 = 2.0;
@@ -67,12 +70,12 @@ impl Almanac {
     }
 
     /// The sun's position, as [`super::sun_position`] gives it; outside the span by that very function.
-    pub fn sun_position(&self, instant: &Instant, site: &Site, air: &Air) -> SunPosition {
+    pub fn sun_position(&self, instant: &Instant, site: &Site, weather: &Weather) -> SunPosition {
         let (place, equation_of_time) = match self.place(instant) {
             Some(place) => (place, place.equation_of_time()),
             None => geocentric(self.tier, instant),
         };
-        observe(self.tier, &place, equation_of_time, instant, site, air)
+        observe(self.tier, &place, equation_of_time, instant, site, weather)
     }
 
     /// The interpolated columns at times [days since J2000.0 TT] within the span; outside it, those of its edge's

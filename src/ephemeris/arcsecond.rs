@@ -10,10 +10,10 @@
 
 use std::f64::consts::TAU;
 
+use super::julian::{CENTURY, Julian};
 use super::place::Place;
 use super::series::periodic;
 use super::spa;
-use super::time::{CENTURY, Julian};
 use super::trigonometry::sin_cos;
 use super::vsop87::{B, L, R};
 use crate::units::ARCSEC;

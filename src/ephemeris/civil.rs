@@ -17,10 +17,12 @@ use tzf_rs::EmbeddedFinder;
 use super::site::Site;
 use super::time::{Instant, TimeScale};
 use super::written::{
-    bad_remedy, bad_time, check_leap_second, julian_date, julian_digits, parse, parse_date,
-    parse_offset,
+    bad_remedy, bad_time, check_leap_second, julian_date, julian_digits, parse, parse_offset,
 };
 use crate::error::{Error, Result};
+use crate::warning::Warning;
+
+pub use super::written::date_alone;
 
 static FINDER: LazyLock<EmbeddedFinder> = LazyLock::new(EmbeddedFinder::new);
 static ZONES: LazyLock<TimeZoneDatabase> = LazyLock::new(TimeZoneDatabase::bundled);
@@ -282,7 +284,7 @@ pub struct Moment {
     /// The time zone database, where one was asked.
     pub tz_database: Option<String>,
     /// What looks odd and is taken as written, say an offset far from the longitude's.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// The clock by which the site's dates are counted.
     pub clock: Zone,
 }
@@ -426,24 +428,6 @@ pub fn instant_with(text: &str, reading: &Reading) -> Result<Instant> {
     }
 }
 
-/// The civil date in a text that is a date alone (`2026-06-21`), or `None` if it is not of that form.
-///
-/// # Errors
-/// [`Error::Input`] for a date that does not exist.
-pub fn date_alone(text: &str) -> Result<Option<NaiveDate>> {
-    let text = text.trim();
-    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
-    let parts: Vec<&str> = unsigned.split('-').collect();
-    if parts.len() != 3
-        || !parts
-            .iter()
-            .all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
-    {
-        return Ok(None);
-    }
-    parse_date(text, text).map(Some)
-}
-
 /// The clock by which a site's dates are counted: the zone named, or the site's own.
 ///
 /// # Errors
@@ -465,12 +449,11 @@ fn finish(instant: Instant, utc: DateTime<Utc>, clock: Zone, reading: &Reading) 
         let apart = f64::from(offset_seconds) / 3600.0 - site.longitude_deg() / 15.0;
         let apart = apart - 24.0 * (apart / 24.0).round();
         if apart.abs() > 3.0 {
-            warnings.push(format!(
-                "the clock ({}) is {:.1} hours off the sun's at longitude {:.3}: is the place or the offset meant otherwise?",
-                offset_text(offset_seconds),
-                apart.abs(),
-                site.longitude_deg()
-            ));
+            warnings.push(Warning::ClockFarFromSun {
+                offset: offset_text(offset_seconds),
+                hours: apart.abs(),
+                longitude_deg: site.longitude_deg(),
+            });
         }
     }
     Ok(Moment {

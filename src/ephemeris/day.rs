@@ -11,9 +11,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::julian::Julian;
 use super::place::{Place, half_turn};
 use super::spa;
-use super::time::{Instant, Julian};
+use super::time::Instant;
 use chrono::{Datelike, NaiveDate};
 
 /// The sun's place and its equation of time [rad] at a universal time.

@@ -7,7 +7,7 @@
 
 use std::sync::LazyLock;
 
-use super::time::Julian;
+use super::julian::Julian;
 
 /// Rows of `from, to, c0, c1, c2, c3, basis`; the sources stand in the file's head.
 const TABLE: &str = include_str!("../../data/ephemeris/delta_t.csv");

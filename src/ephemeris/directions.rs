@@ -4,15 +4,17 @@
 //! of a year of minutes wants three columns. Here the instants are taken in blocks, and each step of the way is a loop
 //! over a block without a branch or a call, which compilers turn into vector instructions.
 
-use super::Tier;
 use super::almanac::Almanac;
+use super::julian::Julian;
 use super::position::{EARTH_RADIUS_AU, aberration, mean_sidereal, topocentric};
 use super::position::{SunPosition, sun_position};
 use super::refraction::lift;
-use super::site::{Air, Site};
+use super::site::Site;
 use super::spa;
-use super::time::{Instant, Julian};
+use super::tier::Tier;
+use super::time::Instant;
 use super::trigonometry::sin_cos;
+use super::weather::Weather;
 use crate::units::DEG;
 
 /// Instants in a block: its columns stay in the processor's nearest memory.
@@ -40,7 +42,7 @@ impl Directions {
         last: &Instant,
         count: usize,
         site: &Site,
-        air: &Air,
+        weather: &Weather,
     ) -> Self {
         let mut directions = Self {
             azimuth: Vec::with_capacity(count),
@@ -52,7 +54,7 @@ impl Directions {
         let tabulated = tier != Tier::Day && times.step_tt.abs() <= 0.5 && count > 24;
         if !tabulated {
             for i in 0..count {
-                let sun = sun_position(tier, &times.instant(first, i), site, air);
+                let sun = sun_position(tier, &times.instant(first, i), site, weather);
                 directions.push(&sun);
             }
             return directions;
@@ -60,7 +62,7 @@ impl Directions {
         let almanac = Almanac::new(tier, first, last);
         let mut block = Block::default();
         for start in (0..count).step_by(LANES) {
-            block.compute(tier, &almanac, &times, start, site, air);
+            block.compute(tier, &almanac, &times, start, site, weather);
             let used = LANES.min(count - start);
             directions.azimuth.extend_from_slice(&block.azimuth[..used]);
             directions
@@ -138,7 +140,7 @@ impl Block {
         times: &Times,
         start: usize,
         site: &Site,
-        air: &Air,
+        weather: &Weather,
     ) {
         let number = |lane: usize| start as f64 + lane as f64;
         for (lane, tt_days) in self.tt_days.iter_mut().enumerate() {
@@ -170,7 +172,7 @@ impl Block {
         }
         for lane in 0..LANES {
             let elevation = self.elevation_true[lane];
-            self.elevation_apparent[lane] = elevation + lift(elevation, air);
+            self.elevation_apparent[lane] = elevation + lift(elevation, weather);
         }
     }
 }

@@ -5,12 +5,13 @@
 
 use chrono::NaiveDate;
 
-use super::Tier;
 use super::almanac::Almanac;
 use super::civil::Zone;
 use super::position::SunPosition;
-use super::site::{Air, Site};
+use super::site::Site;
+use super::tier::Tier;
 use super::time::Instant;
+use super::weather::Weather;
 use crate::error::{Error, Result};
 use crate::units::{DAY, DEG};
 
@@ -167,7 +168,7 @@ impl DayEvents {
 struct Path<'a> {
     almanac: Almanac,
     site: &'a Site,
-    air: Air,
+    weather: Weather,
     start: Instant,
     seconds: f64,
     /// Elevations at equal steps.
@@ -182,7 +183,7 @@ impl<'a> Path<'a> {
         let mut path = Self {
             almanac: Almanac::new(tier, &start, &end),
             site,
-            air: Air::standard(site),
+            weather: Weather::standard(site),
             start,
             seconds,
             samples: Vec::new(),
@@ -199,7 +200,7 @@ impl<'a> Path<'a> {
 
     fn at(&self, seconds: f64) -> SunPosition {
         self.almanac
-            .sun_position(&self.start.plus_seconds(seconds), self.site, &self.air)
+            .sun_position(&self.start.plus_seconds(seconds), self.site, &self.weather)
     }
 
     fn elevation(&self, seconds: f64) -> f64 {

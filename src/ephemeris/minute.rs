@@ -5,9 +5,9 @@
 //!
 //! Source: Meeus 1998, Astronomical Algorithms, chapter 25 (equations 25.2 to 25.8) and chapter 12 (sidereal time).
 
+use super::julian::Julian;
 use super::place::Place;
 use super::spa;
-use super::time::Julian;
 use crate::units::DEG;
 
 /// The sun's geocentric apparent place at a terrestrial time.

@@ -1,9 +1,9 @@
 //! Where the sun is: four algorithms, one time, one way to an observer.
 //!
 //! An [`Instant`] holds universal time, which turns the earth, and terrestrial time, which moves the sun; a [`Site`]
-//! holds the place; [`Air`] bends the light. [`sun_position`] puts them together at a price, the [`Tier`]. [`Almanac`]
-//! does the same for many instants, [`DayEvents`] finds rise, set, noon and twilights, and [`civil`] reads what people
-//! write for a time.
+//! holds the place; [`Weather`] says how strongly the air bends the light. [`sun_position`] puts them together at a price,
+//! the [`Tier`]. [`Almanac`] does the same for many instants, [`DayEvents`] finds rise, set, noon and twilights, and
+//! [`civil`] reads what people write for a time.
 //!
 //! Angles are in radians. Azimuth is from north through east. Elevation is given twice: true, along the straight line,
 //! and apparent, with the air's refraction.
@@ -15,6 +15,7 @@ mod day;
 mod delta_t;
 mod directions;
 mod events;
+mod julian;
 mod minute;
 mod place;
 mod position;
@@ -23,66 +24,21 @@ mod series;
 mod site;
 mod spa;
 mod spa_terms;
+mod tier;
 mod time;
 mod trigonometry;
 mod vsop87;
+mod weather;
 mod written;
 
 pub use almanac::Almanac;
 pub use delta_t::delta_t;
 pub use directions::Directions;
 pub use events::{Absence, Crossings, DayEvents, HORIZON, duration_text};
+pub use julian::Julian;
 pub use position::{SunPosition, sun_position};
 pub use refraction::{air_mass, refraction, true_elevation};
-pub use site::{Air, Site};
-pub use time::{Instant, Julian, TimeScale};
-
-use crate::error::{Error, Result};
-
-/// What the position of the sun may cost: each tier is a published algorithm.
-///
-/// The errors are great-circle distances on the sky from 1900 to 2100, with the same universal time and delta-T.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Tier {
-    /// The day of the year alone (Spencer 1971): 1.2 degrees.
-    Day,
-    /// Meeus's low-accuracy sun (1998, chapter 25): 0.0105 degrees.
-    Minute,
-    /// Reda & Andreas 2004: 0.0003 degrees.
-    #[default]
-    Spa,
-    /// VSOP87 (Bretagnon & Francou 1988), precession of Vondrak et al. 2011, nutation IAU 2000B: 0.2 arcseconds.
-    Arcsecond,
-}
-
-impl Tier {
-    /// All tiers, the cheapest first.
-    pub const ALL: [Tier; 4] = [Tier::Day, Tier::Minute, Tier::Spa, Tier::Arcsecond];
-}
-
-impl std::str::FromStr for Tier {
-    type Err = Error;
-    fn from_str(text: &str) -> Result<Self> {
-        Tier::ALL
-            .into_iter()
-            .find(|tier| tier.to_string() == text)
-            .ok_or_else(|| {
-                Error::input(
-                    "tier",
-                    format!("`{text}` is not known"),
-                    "write day, minute, spa or arcsecond",
-                )
-            })
-    }
-}
-
-impl std::fmt::Display for Tier {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Tier::Day => "day",
-            Tier::Minute => "minute",
-            Tier::Spa => "spa",
-            Tier::Arcsecond => "arcsecond",
-        })
-    }
-}
+pub use site::Site;
+pub use tier::Tier;
+pub use time::{Instant, TimeScale};
+pub use weather::Weather;

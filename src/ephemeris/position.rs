@@ -2,12 +2,15 @@
 
 use std::f64::consts::TAU;
 
+use super::julian::Julian;
 use super::place::{Place, half_turn};
 use super::refraction::{air_mass, refraction};
-use super::site::{Air, EARTH_RADIUS, Site};
-use super::time::{Instant, Julian};
+use super::site::{EARTH_RADIUS, Site};
+use super::tier::Tier;
+use super::time::Instant;
 use super::trigonometry::{arctangent, sin_cos};
-use super::{Tier, arcsecond, day, minute, spa};
+use super::weather::Weather;
+use super::{arcsecond, day, minute, spa};
 use crate::units::{DEG, SUN_DIAMETER};
 
 /// The earth's equatorial radius [au]; the unit is 149 597 870 700 m (IAU 2012).
@@ -84,9 +87,9 @@ impl SunPosition {
 ///
 /// Source of the geocentric place: see [`Tier`]; of the parallax: the exact difference of vectors, which Reda & Andreas
 /// 2004, equations 35 to 41, also amounts to.
-pub fn sun_position(tier: Tier, instant: &Instant, site: &Site, air: &Air) -> SunPosition {
+pub fn sun_position(tier: Tier, instant: &Instant, site: &Site, weather: &Weather) -> SunPosition {
     let (place, equation_of_time) = geocentric(tier, instant);
-    observe(tier, &place, equation_of_time, instant, site, air)
+    observe(tier, &place, equation_of_time, instant, site, weather)
 }
 
 /// The geocentric place and the equation of time [rad].
@@ -164,7 +167,7 @@ pub(super) fn observe(
     equation_of_time: f64,
     instant: &Instant,
     site: &Site,
-    air: &Air,
+    weather: &Weather,
 ) -> SunPosition {
     let (ut, tt) = (instant.ut(), instant.tt());
     let sidereal =
@@ -180,7 +183,7 @@ pub(super) fn observe(
         EARTH_RADIUS_AU * nearness
     };
     let (azimuth, elevation_true) = topocentric(h, d, radii, aberration(tier, site), site);
-    let elevation_apparent = elevation_true + refraction(elevation_true, air);
+    let elevation_apparent = elevation_true + refraction(elevation_true, weather);
     SunPosition {
         azimuth,
         elevation_true,
@@ -206,7 +209,12 @@ mod tests {
         let ut = Julian::new(2_452_929.5, (19.0 * 3600.0 + 30.0 * 60.0 + 30.0) / 86_400.0);
         let instant = Instant::from_julian(ut, TimeScale::Ut1, Some(67.0)).unwrap();
         let site = Site::new(39.742_476, -105.1786, 1830.14).unwrap();
-        let sun = sun_position(Tier::Spa, &instant, &site, &Air::new(820.0, 11.0).unwrap());
+        let sun = sun_position(
+            Tier::Spa,
+            &instant,
+            &site,
+            &Weather::new(820.0, 11.0).unwrap(),
+        );
         for (value, published, last_digit) in [
             (90.0 - sun.elevation_apparent / DEG, 50.111_62, 5e-6),
             (sun.azimuth_deg(), 194.340_24, 5e-6),

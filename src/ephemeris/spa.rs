@@ -6,10 +6,10 @@
 //! Source: Reda & Andreas 2004, Solar Energy 76, 577; NREL/TP-560-34302 (revised 2008); equation numbers are the
 //! report's.
 
+use super::julian::{CENTURY, Julian};
 use super::place::Place;
 use super::series::periodic;
 use super::spa_terms::{B, L, NUTATION, R};
-use super::time::{CENTURY, Julian};
 use super::trigonometry::sin_cos;
 use crate::units::{ARCSEC, DEG};
 

@@ -2,8 +2,7 @@
 
 use chrono::{DateTime, Datelike, NaiveDate, NaiveDateTime, NaiveTime, Timelike, Utc};
 
-use super::civil::date_alone;
-use super::time::Julian;
+use super::julian::Julian;
 use crate::error::{Error, Result};
 
 /// A date, a time of day and perhaps an offset.
@@ -54,6 +53,24 @@ pub(super) fn parse(text: &str) -> Result<Written> {
         local: date.and_time(parse_clock(clock, text)?),
         offset,
     })
+}
+
+/// The civil date in a text that is a date alone (`2026-06-21`), or `None` if it is not of that form.
+///
+/// # Errors
+/// [`Error::Input`] for a date that does not exist.
+pub fn date_alone(text: &str) -> Result<Option<NaiveDate>> {
+    let text = text.trim();
+    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
+    let parts: Vec<&str> = unsigned.split('-').collect();
+    if parts.len() != 3
+        || !parts
+            .iter()
+            .all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
+    {
+        return Ok(None);
+    }
+    parse_date(text, text).map(Some)
 }
 
 /// `[+-]YEAR-MM-DD`, proleptic Gregorian; a year without sign has four digits.

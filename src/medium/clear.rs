@@ -8,7 +8,8 @@
 //!   with the Henyey-Greenstein function of g = 0.703: the continental average of OPAC at 550 nm and 80 % humidity (Hess, Koepke
 //!   & Schult 1998, table 4).
 
-use super::{Medium, Phase, Shape};
+use super::phase::Phase;
+use super::shape::{Medium, Shape};
 use crate::error::Result;
 use crate::sky::SunLight;
 use crate::sky::sun::{Column, SunPath, outside_the_atmosphere};

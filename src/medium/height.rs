@@ -1,7 +1,7 @@
 //! Air that thins exponentially with height over a flat earth, along a ray.
 
 use super::exponential::phi1;
-use super::{Medium, Shape};
+use super::shape::{Medium, Shape};
 use glam::DVec3;
 
 /// No depth toward the sun is greater [1]: a finite number times a density of nothing is nothing.

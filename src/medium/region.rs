@@ -1,6 +1,6 @@
 //! A homogeneous medium as a region of space: chords of rays, and where the depth toward the sun bends.
 
-use super::FARTHEST;
+use super::shape::FARTHEST;
 use glam::DVec3;
 
 /// A homogeneous medium as an axis-aligned region, endless where its bounds are infinite.

@@ -1,9 +1,10 @@
 //! Light scattered once toward the eye along one ray: the integral that every method takes over its lit runs.
 
+use super::Air;
 use super::exponential::{attenuated, exponential_integral, gauss};
 use super::height::HeightTerm;
 use super::local::LocalScattering;
-use super::{Air, FARTHEST};
+use super::shape::FARTHEST;
 use crate::beam::Beam;
 use glam::DVec3;
 

@@ -4,6 +4,7 @@
 
 use super::{Mesh, Texture, Triangle, Wrap};
 use crate::error::{Error, Result};
+use crate::warning::Warning;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// A piece of geometry in axes of its own. `normals`, `uvs` and `colors` are empty or as long as `positions`.
@@ -134,7 +135,7 @@ impl Assembly {
     }
 
     /// The mesh, and what must be said about it. A mesh without a triangle that has an area is an error.
-    pub fn finish(self, file: &str, warnings: &mut Vec<String>) -> Result<Mesh> {
+    pub fn finish(self, file: &str, warnings: &mut Vec<Warning>) -> Result<Mesh> {
         if self.mesh.triangles.is_empty() {
             let problem = match self.degenerate {
                 0 => "there are no triangles".to_owned(),
@@ -147,24 +148,19 @@ impl Assembly {
             ));
         }
         if self.degenerate > 0 {
-            warnings.push(format!(
-                "{file}: {} without an area left out",
-                counted(self.degenerate, "triangle")
-            ));
+            warnings.push(Warning::DegenerateTriangles {
+                file: file.to_owned(),
+                count: self.degenerate,
+            });
         }
         if self.odd_attributes > 0 {
-            warnings.push(format!(
-                "{file}: {} (normal, texture coordinate or colour) not finite or out of range; taken as absent, or colours as the nearest valid one",
-                counted(self.odd_attributes, "vertex attribute")
-            ));
+            warnings.push(Warning::InvalidVertexAttributes {
+                file: file.to_owned(),
+                count: self.odd_attributes,
+            });
         }
         Ok(self.mesh)
     }
-}
-
-/// `1 triangle`, `2 triangles`.
-pub(super) fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// Splits a simple polygon, convex or not, into triangles by cutting ears in the plane of its area vector.

@@ -9,6 +9,7 @@ use super::camera::{Camera, Projection};
 use super::gltf_document::{Gltf, Light, Node, Primitive, TextureRef, TextureTransform};
 use super::{AlphaMode, Material, NamedCamera, PunctualKind, PunctualLight, Scene, Wrap};
 use crate::error::Result;
+use crate::warning::Warning;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -247,16 +248,10 @@ impl Loader<'_> {
             None => [Wrap::Repeat; 2],
         };
         let Some(source) = entry.source else {
-            let formats: Vec<&str> = entry.extensions.keys().map(String::as_str).collect();
-            self.scene.warnings.push(format!(
-                "{}, {by}: left out, its picture is in a format that is not read ({})",
-                gltf.path.display(),
-                if formats.is_empty() {
-                    "no source".to_owned()
-                } else {
-                    formats.join(", ")
-                }
-            ));
+            self.scene.warnings.push(Warning::UnsupportedTextureFormat {
+                place: format!("{}, {by}", gltf.path.display()),
+                extensions: entry.extensions.keys().cloned().collect(),
+            });
             return Ok(None);
         };
         let image = gltf.get(&gltf.json.images, "images", source, &by)?;
@@ -277,19 +272,20 @@ impl Loader<'_> {
                 Err(gltf.error(&place, "it names no picture", "")),
             ),
         };
-        let picture = bytes.map_err(|e| e.problem()).and_then(|bytes| {
+        let picture = bytes.and_then(|bytes| {
             decode_image(&name, &bytes, wrap)
-                .map_err(|e| format!("{}, {place}: {e}", gltf.path.display()))
+                .map_err(|problem| gltf.error(&place, problem, "save the picture as PNG or JPEG"))
         });
         Ok(match picture {
             Ok(picture) => {
                 self.scene.textures.push(picture);
                 Some(self.scene.textures.len() - 1)
             }
-            Err(problem) => {
-                self.scene
-                    .warnings
-                    .push(format!("{problem}; texture left out"));
+            Err(error) => {
+                self.scene.warnings.push(Warning::MissingTexture {
+                    problem: error.problem(),
+                    remedy: error.remedy(),
+                });
                 None
             }
         })
@@ -633,15 +629,12 @@ impl Loader<'_> {
     fn finish(mut self) -> Result<Scene> {
         let file = self.gltf.path.display().to_string();
         if !self.left_out.is_empty() {
-            let list: Vec<String> = self
-                .left_out
-                .iter()
-                .map(|(what, n)| format!("{what} ({n})"))
-                .collect();
-            self.scene.warnings.push(format!(
-                "{file}: surfaces are Lambertian with their base colour; left out, with how often: {}",
-                list.join(", ")
-            ));
+            self.scene
+                .warnings
+                .push(Warning::IgnoredMaterialProperties {
+                    file: file.clone(),
+                    properties: self.left_out,
+                });
         }
         self.scene.mesh = self.assembly.finish(&file, &mut self.scene.warnings)?;
         let last = self.scene.materials.len() - 1;

@@ -25,8 +25,8 @@ pub const BUILTIN: [&str; 1] = ["nave"];
 /// texture that cannot be read, triangles without an area) is said in [`Scene::warnings`] instead.
 pub fn load(path: &Path) -> Result<Scene> {
     let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
-    let mut scene = match Kind::of(path, &bytes)? {
-        Kind::Toml => {
+    let mut scene = match FileKind::of(path, &bytes)? {
+        FileKind::Toml => {
             let text = str::from_utf8(&bytes).map_err(|e| {
                 let line = 1 + bytes[..e.valid_up_to()]
                     .iter()
@@ -78,15 +78,16 @@ impl Scene {
     }
 }
 
+/// How a scene file is written.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum FileKind {
     Toml,
     Gltf,
     Obj,
 }
 
-impl Kind {
-    fn of(path: &Path, bytes: &[u8]) -> Result<Kind> {
+impl FileKind {
+    fn of(path: &Path, bytes: &[u8]) -> Result<FileKind> {
         let remedy = "name a glTF, GLB, OBJ or TOML scene file";
         let first = bytes.iter().copied().find(|b| !b.is_ascii_whitespace());
         let Some(first) = first else {
@@ -102,9 +103,9 @@ impl Kind {
             .to_string_lossy()
             .to_ascii_lowercase();
         match extension.as_str() {
-            "toml" => Ok(Kind::Toml),
-            "obj" => Ok(Kind::Obj),
-            _ if bytes.starts_with(b"glTF") || first == b'{' => Ok(Kind::Gltf),
+            "toml" => Ok(FileKind::Toml),
+            "obj" => Ok(FileKind::Obj),
+            _ if bytes.starts_with(b"glTF") || first == b'{' => Ok(FileKind::Gltf),
             "gltf" | "glb" => Err(Error::input(
                 path.display().to_string(),
                 "it is neither GLB nor glTF JSON",
@@ -120,10 +121,10 @@ impl Kind {
 }
 
 fn load_mesh(path: &Path, bytes: &[u8]) -> Result<Scene> {
-    match Kind::of(path, bytes)? {
-        Kind::Gltf => gltf::load(path, bytes),
-        Kind::Obj => obj::load(path, bytes),
-        Kind::Toml => Err(Error::input(
+    match FileKind::of(path, bytes)? {
+        FileKind::Gltf => gltf::load(path, bytes),
+        FileKind::Obj => obj::load(path, bytes),
+        FileKind::Toml => Err(Error::input(
             path.display().to_string(),
             "a scene file cannot be the mesh of another",
             "name a glTF, GLB or OBJ file as the mesh",

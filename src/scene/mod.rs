@@ -17,6 +17,7 @@ mod obj;
 mod toml;
 
 use crate::medium::{ClearAir, Medium};
+use crate::warning::Warning;
 use glam::{DVec2, DVec3};
 
 pub use camera::{Camera, Projection, Ray};
@@ -59,8 +60,8 @@ pub struct Scene {
     pub air: Option<ClearAir>,
     /// How the scene wants to be pictured when no flag says otherwise.
     pub picture: PictureEntry,
-    /// What was left out or is doubtful, one sentence each.
-    pub warnings: Vec<String>,
+    /// What was left out or is doubtful.
+    pub warnings: Vec<Warning>,
 }
 
 /// Triangles with shared vertices.

@@ -6,6 +6,7 @@
 use super::assembly::{Assembly, Piece, decode_image, triangulate};
 use super::{AlphaMode, Material, Scene, Wrap};
 use crate::error::{Error, Result};
+use crate::warning::Warning;
 use glam::{DAffine3, DVec2, DVec3};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -46,9 +47,10 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
             |problem| Error::input(&file, problem, "the file is damaged: export it again"),
         )?;
     for problem in missing.into_inner() {
-        scene
-            .warnings
-            .push(format!("{file}: {problem}; its materials left out"));
+        scene.warnings.push(Warning::MissingMaterials {
+            file: file.clone(),
+            problem,
+        });
     }
     read_materials(&file, folder, materials.unwrap_or_default(), &mut scene)?;
 
@@ -263,10 +265,11 @@ fn read_materials(
                         Some(scene.textures.len() - 1)
                     }
                     Err(problem) => {
-                        scene.warnings.push(format!(
-                            "{file}: cannot read {}: {problem}; texture left out",
-                            at.display()
-                        ));
+                        scene.warnings.push(Warning::MissingTexture {
+                            problem: format!("{file}: cannot read {}: {problem}", at.display()),
+                            remedy: "put the picture where the MTL file names it, as PNG or JPEG"
+                                .into(),
+                        });
                         None
                     }
                 }
@@ -286,14 +289,10 @@ fn read_materials(
         });
     }
     if !left_out.is_empty() {
-        let list: Vec<String> = left_out
-            .iter()
-            .map(|(what, n)| format!("{what} ({n})"))
-            .collect();
-        scene.warnings.push(format!(
-            "{file}: surfaces are Lambertian with their base colour; left out, with how often: {}",
-            list.join(", ")
-        ));
+        scene.warnings.push(Warning::IgnoredMaterialProperties {
+            file: file.to_owned(),
+            properties: left_out,
+        });
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! alone. On a circle the first is computed once; the second is read from a table, made once for the whole sky.
 
 use super::Sky;
+use super::angles::elevation_of;
 use super::day::{Around, Day};
 use super::twilight;
 use glam::Vec3;
@@ -37,8 +38,8 @@ impl<'s> Circles<'s> {
             }
         });
         Circles {
-            sun_elevation: super::elevation_of(sky.toward_sun),
-            table: sky.day.as_ref().map(|(day, _)| Table::new(day)),
+            sun_elevation: elevation_of(sky.toward_sun),
+            table: sky.blend.day.as_ref().map(|(day, _)| Table::new(day)),
             columns: columns.collect(),
             sky,
         }
@@ -53,13 +54,15 @@ impl<'s> Circles<'s> {
         // hav(angle from the sun) = hav(difference in height) + cos cos hav(difference in azimuth): exact near the sun.
         let least = (0.5 * (elevation - self.sun_elevation)).sin().powi(2);
         let factor = elevation.cos() * self.sun_elevation.cos();
-        let even = sky.uniform + sky.cloud * (1.0 + 2.0 * sine);
+        let even = sky.blend.uniform + sky.blend.cloud * (1.0 + 2.0 * sine);
         let day = sky
+            .blend
             .day
             .as_ref()
             .zip(self.table.as_ref())
             .map(|((day, scale), table)| (day, *scale, table, day.over_height(sine)));
         let twilight = sky
+            .blend
             .twilight
             .as_ref()
             .map(|(twilight, scale)| (twilight.circle(sine), *scale));

@@ -6,19 +6,22 @@
 //! the horizon of a plain clear day (at 35 degrees and turbidity 3: x, y 0.279, 0.288 and 0.345, 0.340, where path-traced
 //! skies have 0.291, 0.309 and 0.313, 0.340). They remain the colours of `preetham`.
 
+use super::angles::angle_between;
 use super::cie::{self, Kind};
 use super::gradation::Gradation;
+use super::hemisphere;
 use super::hosek::Hosek;
+use super::model::{Irradiance, Model};
 use super::perez::{self, Bins, State};
 use super::preetham::{self, Preetham};
 use super::twilight::smoothstep;
-use super::{Irradiance, Model, angle_between, hemisphere};
 use crate::colour::{
     Space, WORKING_FROM_XYZ, into_gamut, luminance, working_from_xyz, xyz_from_working,
     xyz_from_xyy,
 };
 use crate::error::Result;
 use crate::units::DEG;
+use crate::warning::Warning;
 use glam::{DMat3, DVec3, Vec3Swizzles};
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;
@@ -53,8 +56,8 @@ pub struct Day {
     pub hidden: f64,
     /// Direct-normal illuminance that the model states [lx].
     pub direct_normal: Option<f64>,
-    /// What a user should know, one sentence each.
-    pub warnings: Vec<String>,
+    /// What a user should know.
+    pub warnings: Vec<Warning>,
 }
 
 #[derive(Debug, Clone)]
@@ -95,21 +98,24 @@ impl Day {
     pub fn new(model: Model, sun: Position, bins: Bins) -> Result<Self> {
         match model {
             Model::Preetham { turbidity } => Ok(Day {
-                warnings: vec![
-                    "the Preetham sky's luminance is 1.5 to 2.8 times too high by day; its colours are usable".into(),
-                ],
+                warnings: vec![Warning::PreethamLuminance],
                 ..Day::plain(Form::Preetham(Preetham::new(turbidity, sun.zenith_angle)?))
             }),
-            Model::Hosek { turbidity, albedo } => {
-                Ok(Day::plain(Form::Hosek(Hosek::new(turbidity, albedo, sun.elevation())?)))
-            }
-            Model::Uniform { luminance } => {
-                Ok(Day::plain(Form::Uniform(DVec3::splat(luminance))))
-            }
-            Model::Perez { turbidity, irradiance } => Day::perez(turbidity, irradiance, sun, bins),
-            Model::Cie { kind, turbidity, irradiance } => {
-                Day::cie(Kind::new(kind)?, turbidity, irradiance, sun)
-            }
+            Model::Hosek { turbidity, albedo } => Ok(Day::plain(Form::Hosek(Hosek::new(
+                turbidity,
+                albedo,
+                sun.elevation(),
+            )?))),
+            Model::Uniform { luminance } => Ok(Day::plain(Form::Uniform(DVec3::splat(luminance)))),
+            Model::Perez {
+                turbidity,
+                irradiance,
+            } => Day::perez(turbidity, irradiance, sun, bins),
+            Model::Cie {
+                kind,
+                turbidity,
+                irradiance,
+            } => Day::cie(Kind::new(kind)?, turbidity, irradiance, sun),
         }
     }
 
@@ -146,15 +152,13 @@ impl Day {
         let grey = measured.map_or(0.0, |m| cloudiness(m, sun.elevation(), turbidity));
         let mut warnings = Vec::new();
         if state.limited && measured.is_some() {
-            warnings.push(format!(
-                "these irradiances are outside the Perez model's data: held at clearness {:.3}, brightness {:.3}",
-                state.clearness, state.brightness
-            ));
+            warnings.push(Warning::OutsidePerezData {
+                clearness: state.clearness,
+                brightness: state.brightness,
+            });
         }
         if lifted || negative {
-            warnings.push(
-                "the Perez fit breaks at this clearness and brightness (b > 0 or negative luminance): b is held at 0, luminance at 0 and above".into(),
-            );
+            warnings.push(Warning::PerezFitBreaks);
         }
         Ok(Day {
             grey,

@@ -8,8 +8,8 @@
 //! The eight sets meet in steps: a pixel jumps by up to 1.6 times. [`Bins::Blended`], for pictures, goes from one set's
 //! sky to its neighbour's over a quarter of each bin on both sides of the edge; [`Bins::Published`] does not.
 
-use super::Irradiance;
 use super::gradation::Gradation;
+use super::model::Irradiance;
 use crate::error::{Error, Result};
 use crate::units::DEG;
 use std::f64::consts::FRAC_PI_2;

@@ -1,4 +1,4 @@
-//! Sunlight at the ground: the extraterrestrial spectrum through the clear atmosphere, and the disc.
+//! Where the sun stands, and sunlight at the ground: the extraterrestrial spectrum through the clear atmosphere, and the disc.
 //!
 //! E(lambda) = E0(lambda) / R^2 * Tr * Ta * To * Tw * Tg, the parametric model of Leckner 1978, Iqbal 1983 and Bird &
 //! Riordan 1986 (SPECTRL2), which Preetham et al. 1999 (appendix A.1) use as well:
@@ -12,6 +12,7 @@
 //! 1013.25 hPa. While the disc crosses the horizon, m is taken at the centroid of the part that is above it, so that it
 //! never exceeds its value at the horizon (37.9) and everything is finite and smooth down to the last ray.
 
+use super::angles::elevation_of;
 use crate::colour::{cie1931, into_gamut, working_from_xyz};
 use crate::error::{Error, Result};
 use crate::units::{DEG, LUMINOUS_EFFICACY, STANDARD_PRESSURE_HPA, SUN_DIAMETER};
@@ -50,6 +51,37 @@ static SPECTRUM: LazyLock<Vec<Cell>> = LazyLock::new(|| {
         })
         .collect()
 });
+
+/// Where the sun stands for a sky.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SunAt {
+    /// Unit vector toward the apparent sun in scene axes (+Y up).
+    pub toward_sun: DVec3,
+    /// True (geometric) elevation [rad]: what models and the twilight curve go by.
+    pub elevation_true: f64,
+    /// Distance [au].
+    pub distance_au: f64,
+    /// The site's height above sea level [m].
+    pub site_elevation: f64,
+}
+
+impl SunAt {
+    /// A sun without refraction, one astronomical unit away, over sea level. `toward_sun` is a unit vector.
+    pub fn unrefracted(toward_sun: DVec3) -> Self {
+        SunAt {
+            toward_sun,
+            elevation_true: elevation_of(toward_sun),
+            distance_au: 1.0,
+            site_elevation: 0.0,
+        }
+    }
+
+    /// Unit vector toward the sun's azimuth in the horizontal plane; +X for a sun in the zenith.
+    pub(super) fn toward_azimuth(&self) -> DVec3 {
+        let flat = DVec3::new(self.toward_sun.x, 0.0, self.toward_sun.z);
+        flat.try_normalize().unwrap_or(DVec3::X)
+    }
+}
 
 /// Where the sun is and what its light passes through.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -62,12 +62,12 @@ impl Sky {
             "TOWARD_AZIMUTH",
             &[self.toward_azimuth.x, self.toward_azimuth.z],
         );
-        put("UNIFORM", &self.uniform.to_array());
-        put("CLOUD", &self.cloud.to_array());
+        put("UNIFORM", &self.blend.uniform.to_array());
+        put("CLOUD", &self.blend.cloud.to_array());
         put("PIECES", &[PIECES as f64]);
         put("DUSK_SIZE", &twilight::GRID.map(|n| n as f64));
         put("LUMINANCE", &LUMINANCE.to_array());
-        if let Some((day, scale)) = &self.day {
+        if let Some((day, scale)) = &self.blend.day {
             put("FORM", &[day.form_number()]);
             put("DAY_SCALE", &[*scale]);
             put("GREY", &[day.grey]);
@@ -76,7 +76,7 @@ impl Sky {
             put("FACTORS", day.factors().as_flattened());
             put("ANGLES", angles(day, PIECES).as_flattened());
         }
-        if let Some((twilight, scale)) = &self.twilight {
+        if let Some((twilight, scale)) = &self.blend.twilight {
             put("DUSK_SCALE", &[*scale]);
             let grid = twilight.grid().flat_map(|part| part.to_array());
             table.extend(grid.map(|v| v as f32));

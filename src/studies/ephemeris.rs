@@ -6,7 +6,7 @@ use std::time::Instant as Clock;
 use rayon::prelude::*;
 
 use crate::ephemeris::{
-    Air, Almanac, Directions, Instant, Julian, Site, SunPosition, Tier, TimeScale, sun_position,
+    Almanac, Directions, Instant, Julian, Site, SunPosition, Tier, TimeScale, Weather, sun_position,
 };
 use crate::units::{ARCSEC, DEG};
 
@@ -103,7 +103,7 @@ fn truth() -> Vec<(Case, [f64; 3])> {
 }
 
 fn position(tier: Tier, (instant, site): &Case) -> SunPosition {
-    sun_position(tier, instant, site, &Air::standard(site))
+    sun_position(tier, instant, site, &Weather::standard(site))
 }
 
 fn directions(tier: Tier, cases: &[Case]) -> Vec<[f64; 3]> {
@@ -126,9 +126,12 @@ fn error(some: &[[f64; 3]], truth: &[[f64; 3]]) -> (f64, f64) {
 
 /// Positions a second at unordered times.
 fn single(tier: Tier, cases: &[Case], all_cores: bool) -> f64 {
-    let airs: Vec<Air> = cases.iter().map(|(_, site)| Air::standard(site)).collect();
+    let weathers: Vec<Weather> = cases
+        .iter()
+        .map(|(_, site)| Weather::standard(site))
+        .collect();
     let run = |i: usize| {
-        black_box(sun_position(tier, &cases[i].0, &cases[i].1, &airs[i]));
+        black_box(sun_position(tier, &cases[i].0, &cases[i].1, &weathers[i]));
     };
     best(cases.len(), || {
         if all_cores {
@@ -140,23 +143,27 @@ fn single(tier: Tier, cases: &[Case], all_cores: bool) -> f64 {
 }
 
 /// The year of minutes that series are measured over: its first instant, place and air.
-fn year() -> (Instant, Site, Air) {
+fn year() -> (Instant, Site, Weather) {
     let site = Site::new(48.8584, 2.2945, 35.0).expect("a place");
     let start = Instant::from_julian(Julian::new(2_461_041.5, 0.0), TimeScale::Ut1, None)
         .expect("the year 2026");
-    (start, site, Air::standard(&site))
+    (start, site, Weather::standard(&site))
 }
 
 const MINUTES: u32 = 525_600;
 
 /// Positions a second over a year of minutes.
 fn series(tier: Tier, all_cores: bool) -> f64 {
-    let (start, site, air) = year();
+    let (start, site, weather) = year();
     let end = start.plus_seconds(60.0 * f64::from(MINUTES));
     best(MINUTES as usize, || {
         let almanac = Almanac::new(tier, &start, &end);
         let run = |i: u32| {
-            black_box(almanac.sun_position(&start.plus_seconds(60.0 * f64::from(i)), &site, &air));
+            black_box(almanac.sun_position(
+                &start.plus_seconds(60.0 * f64::from(i)),
+                &site,
+                &weather,
+            ));
         };
         if all_cores {
             (0..MINUTES).into_par_iter().for_each(run)
@@ -168,13 +175,13 @@ fn series(tier: Tier, all_cores: bool) -> f64 {
 
 /// Directions a second over a year of minutes in so many parts, one a core.
 fn columns(tier: Tier, parts: usize) -> f64 {
-    let (start, site, air) = year();
+    let (start, site, weather) = year();
     let part = MINUTES as usize / parts;
     best(part * parts, || {
         (0..parts).into_par_iter().for_each(|i| {
             let at = |minute: usize| start.plus_seconds(60.0 * minute as f64);
             let (first, last) = (at(i * part), at((i + 1) * part - 1));
-            black_box(Directions::new(tier, &first, &last, part, &site, &air));
+            black_box(Directions::new(tier, &first, &last, part, &site, &weather));
         })
     })
 }

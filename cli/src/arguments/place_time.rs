@@ -2,7 +2,7 @@
 
 use clap::Args;
 use tyndall::ephemeris::civil::{self, Fold, Moment, Reading};
-use tyndall::ephemeris::{Air, Site, Tier, TimeScale};
+use tyndall::ephemeris::{Site, Tier, TimeScale, Weather};
 use tyndall::{Error, Result};
 
 /// Where: `--at`.
@@ -80,16 +80,16 @@ impl TimeArgs {
 }
 
 impl SunArgs {
-    /// The air at a site.
+    /// Pressure and temperature at a site: those of the flags, else of the standard atmosphere.
     ///
     /// # Errors
     /// [`Error::Domain`] for a pressure or temperature out of range.
-    pub fn air(&self, site: &Site) -> Result<Air> {
-        let standard = Air::standard(site);
+    pub fn weather(&self, site: &Site) -> Result<Weather> {
+        let standard = Weather::standard(site);
         if self.pressure.is_none() && self.temperature.is_none() {
             return Ok(standard);
         }
-        Air::new(
+        Weather::new(
             self.pressure.unwrap_or(standard.pressure_hpa()),
             self.temperature.unwrap_or(standard.temperature_c()),
         )

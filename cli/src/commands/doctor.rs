@@ -128,13 +128,13 @@ fn mebibytes(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tyndall::gpu::adapters::{Kind, Limits};
+    use tyndall::gpu::adapters::{AdapterKind, Limits};
 
     #[test]
     fn the_table_tells_what_was_found() {
         let adapter = Adapter {
             name: "Some card".into(),
-            kind: Kind::Discrete,
+            kind: AdapterKind::Discrete,
             backend: "vulkan".into(),
             driver: "maker 1.2".into(),
             limits: Limits {

@@ -9,12 +9,13 @@ use crate::tables::batch::Form;
 use crate::tables::columns::{self, Columns};
 use crate::tables::sky_batch;
 use crate::tables::stdout;
+use crate::tell;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
-use tyndall::ephemeris::{Air, sun_position};
+use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
 use tyndall::gpu::sky_map;
 use tyndall::output::{self, Format};
@@ -126,9 +127,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     }
     let formats = output::check_targets(&args.output)?;
     let subject = subject(args)?;
-    for warning in subject.sky.warnings() {
-        eprintln!("warning    {warning}");
-    }
+    tell::warnings(subject.sky.warnings());
     let facts = facts(args, &subject);
     if args.form.json {
         stdout::print_json(&facts)?;
@@ -250,8 +249,8 @@ fn subject(args: &SkyArgs) -> Result<Subject> {
             let moment = args
                 .time
                 .moment(args.time.time.as_deref().unwrap_or("now"), Some(site))?;
-            let air = args.ephemeris.air(site)?;
-            let sun = sun_position(args.ephemeris.tier, &moment.instant, site, &air);
+            let weather = args.ephemeris.weather(site)?;
+            let sun = sun_position(args.ephemeris.tier, &moment.instant, site, &weather);
             let at = SunAt {
                 toward_sun: toward(sun.azimuth, sun.elevation_apparent),
                 elevation_true: sun.elevation_true,
@@ -260,7 +259,7 @@ fn subject(args: &SkyArgs) -> Result<Subject> {
             };
             let path = SunPath {
                 distance_au: sun.distance_au,
-                pressure_hpa: Air::standard(site).pressure_hpa(),
+                pressure_hpa: Weather::standard(site).pressure_hpa(),
                 ..SunPath::standard(sun.elevation_apparent, model.turbidity())
             };
             let facts = vec![

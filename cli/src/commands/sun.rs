@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use tyndall::ephemeris::civil::{self, Moment, Zone};
 use tyndall::ephemeris::{
-    Absence, Air, Almanac, Crossings, DayEvents, Instant, Site, SunPosition, Tier, TimeScale,
+    Absence, Almanac, Crossings, DayEvents, Instant, Site, SunPosition, Tier, TimeScale, Weather,
     duration_text,
 };
 use tyndall::units::DEG;
@@ -24,6 +24,7 @@ use crate::tables::stdout;
 use crate::tables::sun_batch;
 use crate::tables::sun_columns::columns;
 use crate::tables::time_text::{time_text, write_time};
+use crate::tell;
 
 /// The flags of `tyndall sun`.
 #[derive(Args, Debug)]
@@ -86,7 +87,7 @@ pub fn run(args: &SunArgs) -> Result<()> {
             "write --at LAT,LON[,ELEV], or --batch FILE",
         )
     })?;
-    let air = args.sun.air(&site)?;
+    let weather = args.sun.weather(&site)?;
     let text = args.time.time.as_deref().unwrap_or("now");
     let when = match civil::date_alone(text)? {
         Some(date) => When::Day(date, zone(args, &site, date)?),
@@ -97,14 +98,12 @@ pub fn run(args: &SunArgs) -> Result<()> {
         When::Moment(moment) => moment.clock.clone(),
     };
     if let When::Moment(moment) = &when {
-        for warning in &moment.warnings {
-            eprintln!("warning: {warning}");
-        }
+        tell::warnings(&moment.warnings);
     }
     let context = Context {
         args,
         site,
-        air,
+        weather,
         clock,
     };
     if !args.plot.is_empty() {
@@ -198,7 +197,7 @@ fn step(text: &str) -> Result<TimeDelta, String> {
 struct Context<'a> {
     args: &'a SunArgs,
     site: Site,
-    air: Air,
+    weather: Weather,
     clock: Zone,
 }
 
@@ -224,8 +223,8 @@ impl Context<'_> {
             "latitude": self.site.latitude_deg(),
             "longitude": self.site.longitude_deg(),
             "elevation": self.site.elevation(),
-            "pressure": self.air.pressure_hpa(),
-            "temperature": self.air.temperature_c(),
+            "pressure": self.weather.pressure_hpa(),
+            "temperature": self.weather.temperature_c(),
         })
     }
 
@@ -239,8 +238,12 @@ impl Context<'_> {
 
     /// One instant: the position, and the events of its date.
     fn instant(&self, moment: &Moment) -> Result<()> {
-        let sun =
-            tyndall::ephemeris::sun_position(self.tier(), &moment.instant, &self.site, &self.air);
+        let sun = tyndall::ephemeris::sun_position(
+            self.tier(),
+            &moment.instant,
+            &self.site,
+            &self.weather,
+        );
         let time = civil::local_text(moment.local());
         let mut out = stdout::lock();
         if self.args.form.csv {
@@ -398,7 +401,7 @@ impl Context<'_> {
                 self.tier(),
                 &self.instant_at(start)?,
                 &self.site,
-                &self.air,
+                &self.weather,
             );
             let mut csv = Rows::with_capacity(0);
             csv_names(&mut csv, &sun);
@@ -490,12 +493,12 @@ impl Context<'_> {
                 let utc = utc(i);
                 let instant = self.instant_at(utc)?;
                 let sun = match &almanac {
-                    Some(almanac) => almanac.sun_position(&instant, &self.site, &self.air),
+                    Some(almanac) => almanac.sun_position(&instant, &self.site, &self.weather),
                     None => tyndall::ephemeris::sun_position(
                         self.tier(),
                         &instant,
                         &self.site,
-                        &self.air,
+                        &self.weather,
                     ),
                 };
                 Ok((utc, sun))
@@ -551,8 +554,8 @@ impl Context<'_> {
             letter(self.site.latitude_deg(), ['N', 'S']),
             letter(self.site.longitude_deg(), ['E', 'W']),
             self.site.elevation(),
-            self.air.pressure_hpa(),
-            self.air.temperature_c()
+            self.weather.pressure_hpa(),
+            self.weather.temperature_c()
         )
     }
 
@@ -621,7 +624,7 @@ impl Context<'_> {
                 continue;
             }
             for time in &times {
-                let sun = almanac.sun_position(time, &self.site, &self.air);
+                let sun = almanac.sun_position(time, &self.site, &self.weather);
                 // Rounded to the second, not cut.
                 let rounded = time.plus_seconds(0.5);
                 out.line(&format!(

@@ -2,7 +2,7 @@
 
 use chrono::{DateTime, Datelike, NaiveDate, TimeDelta, Utc};
 use tyndall::ephemeris::civil::{Zone, offset_text};
-use tyndall::ephemeris::{Air, Almanac, Instant, Site, SunPosition, Tier};
+use tyndall::ephemeris::{Almanac, Instant, Site, SunPosition, Tier, Weather};
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
@@ -134,7 +134,7 @@ pub fn draw(
 /// A year at a site.
 struct Year<'a> {
     site: &'a Site,
-    air: Air,
+    weather: Weather,
     almanac: Almanac,
     number: i32,
     /// Standard time minus universal time [s].
@@ -172,7 +172,7 @@ impl<'a> Year<'a> {
         );
         let mut year = Self {
             site,
-            air: Air::standard(site),
+            weather: Weather::standard(site),
             almanac: Almanac::new(tier, &instant(start)?, &instant(end)?),
             number,
             offset,
@@ -206,7 +206,8 @@ impl<'a> Year<'a> {
         };
         // The year was checked when it was made.
         let instant = instant.unwrap_or_else(|_| unreachable!("a day of a valid year"));
-        self.almanac.sun_position(&instant, self.site, &self.air)
+        self.almanac
+            .sun_position(&instant, self.site, &self.weather)
     }
 
     fn sky(&self, date: NaiveDate, seconds: i64) -> Sky {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use tyndall::Result;
 use tyndall::ephemeris::civil::{self, Reading};
-use tyndall::ephemeris::{Air, Site, SunPosition, sun_position};
+use tyndall::ephemeris::{Site, SunPosition, Weather, sun_position};
 
 use crate::arguments::place_time::{SunArgs, TimeArgs};
 use crate::tables::batch::{Batch, Form, Row};
@@ -49,10 +49,10 @@ pub fn run(path: &Path, form: Form, times: &TimeArgs, sun: &SunArgs) -> Result<(
 fn position(times: &TimeArgs, sun: &SunArgs, row: &Row) -> Result<SunPosition> {
     let here = |error| row.here(error);
     let site = Site::new(row.needed(1)?, row.needed(2)?, row.needed(3)?).map_err(here)?;
-    let standard = sun.air(&site).map_err(here)?;
-    let air = match (row.number(4)?, row.number(5)?) {
+    let standard = sun.weather(&site).map_err(here)?;
+    let weather = match (row.number(4)?, row.number(5)?) {
         (None, None) => standard,
-        (pressure, temperature) => Air::new(
+        (pressure, temperature) => Weather::new(
             pressure.unwrap_or(standard.pressure_hpa()),
             temperature.unwrap_or(standard.temperature_c()),
         )
@@ -66,5 +66,5 @@ fn position(times: &TimeArgs, sun: &SunArgs, row: &Row) -> Result<SunPosition> {
         ..times.reading(Some(&site))
     };
     let instant = civil::instant_with(time, &reading).map_err(here)?;
-    Ok(sun_position(sun.tier, &instant, &site, &air))
+    Ok(sun_position(sun.tier, &instant, &site, &weather))
 }

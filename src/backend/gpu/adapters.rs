@@ -22,7 +22,7 @@ pub struct Adapter {
     /// Its own name.
     pub name: String,
     /// What it is.
-    pub kind: Kind,
+    pub kind: AdapterKind,
     /// `vulkan`, `metal` or `dx12`.
     pub backend: String,
     /// Name and version of its driver.
@@ -38,7 +38,7 @@ pub struct Adapter {
 /// What an adapter is. The order is that of preference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum AdapterKind {
     /// A card of its own.
     Discrete,
     /// Part of the processor's chip, with its memory.
@@ -73,19 +73,19 @@ pub struct Limits {
 impl Adapter {
     /// Whether it is more than the processor itself.
     pub fn is_hardware(&self) -> bool {
-        self.kind != Kind::Software
+        self.kind != AdapterKind::Software
     }
 }
 
-impl Kind {
+impl AdapterKind {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
-            Kind::Discrete => "hardware, discrete",
-            Kind::Integrated => "hardware, integrated",
-            Kind::Virtual => "hardware, virtual",
-            Kind::Unknown => "unknown",
-            Kind::Software => "software",
+            AdapterKind::Discrete => "hardware, discrete",
+            AdapterKind::Integrated => "hardware, integrated",
+            AdapterKind::Virtual => "hardware, virtual",
+            AdapterKind::Unknown => "unknown",
+            AdapterKind::Software => "software",
         }
     }
 }
@@ -148,11 +148,11 @@ pub(super) fn describe(handle: &Handle) -> Adapter {
     Adapter {
         name: info.name,
         kind: match info.device_type {
-            DeviceType::DiscreteGpu => Kind::Discrete,
-            DeviceType::IntegratedGpu => Kind::Integrated,
-            DeviceType::VirtualGpu => Kind::Virtual,
-            DeviceType::Cpu => Kind::Software,
-            DeviceType::Other => Kind::Unknown,
+            DeviceType::DiscreteGpu => AdapterKind::Discrete,
+            DeviceType::IntegratedGpu => AdapterKind::Integrated,
+            DeviceType::VirtualGpu => AdapterKind::Virtual,
+            DeviceType::Cpu => AdapterKind::Software,
+            DeviceType::Other => AdapterKind::Unknown,
         },
         backend: info.backend.to_str().to_owned(),
         driver: driver.trim().to_owned(),
@@ -291,8 +291,19 @@ mod tests {
 
     #[test]
     fn hardware_comes_first() {
-        let mut kinds = [Kind::Software, Kind::Integrated, Kind::Discrete];
+        let mut kinds = [
+            AdapterKind::Software,
+            AdapterKind::Integrated,
+            AdapterKind::Discrete,
+        ];
         kinds.sort();
-        assert_eq!(kinds, [Kind::Discrete, Kind::Integrated, Kind::Software]);
+        assert_eq!(
+            kinds,
+            [
+                AdapterKind::Discrete,
+                AdapterKind::Integrated,
+                AdapterKind::Software
+            ]
+        );
     }
 }
