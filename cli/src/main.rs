@@ -1,8 +1,6 @@
 //! The command line of tyndall.
 
 mod arguments;
-mod backend;
-mod choose;
 mod commands;
 mod plots;
 mod tables;

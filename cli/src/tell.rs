@@ -1,9 +1,8 @@
 //! What is said on standard error: what was understood, decided and done.
 
-use crate::backend::Done;
 use serde_json::json;
 use std::path::PathBuf;
-use std::time::Duration;
+use tyndall::backend::Rendered;
 use tyndall::conditions::Conditions;
 use tyndall::effect::Contribution;
 use tyndall::plan::Plan;
@@ -50,11 +49,9 @@ pub fn plan(plan: &Plan, backend: &str) {
     }
 }
 
-/// The quality that was chosen, if it was measured.
-pub fn chosen(why: Option<&str>) {
-    if let Some(why) = why {
-        line("quality", why);
-    }
+/// The quality that was chosen by measuring.
+pub fn chosen(why: &str) {
+    line("quality", why);
 }
 
 /// The plan for scripts.
@@ -84,16 +81,8 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// The stages of the work and their share of the wall time [s].
-pub fn stages(rendered: &Done, prepared: Duration, written: Duration) -> Vec<(String, f64)> {
-    let mut stages = vec![("prepare".to_owned(), prepared.as_secs_f64())];
-    stages.extend(rendered.stages.iter().cloned());
-    stages.push(("write".to_owned(), written.as_secs_f64()));
-    stages
-}
-
 /// How long it took.
-pub fn rendered(rendered: &Done, ev100: f64, stages: &[(String, f64)]) {
+pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
     let total: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
     let parts: Vec<String> = stages
         .iter()
@@ -104,7 +93,7 @@ pub fn rendered(rendered: &Done, ev100: f64, stages: &[(String, f64)]) {
     if rendered.refined > 0 {
         line(
             "samples",
-            format!("{} pixels at edges taken again", rendered.refined),
+            format!("{} pixels at edges resampled", rendered.refined),
         );
     }
     line("exposure", format!("EV100 {ev100:.2}"));

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
-use tyndall::gpu::adapters;
+use tyndall::backend::gpu::adapters;
 
 /// Notes that a test could not run and why, as the library's tests do.
 fn not_run(test: &str, reason: &str) {

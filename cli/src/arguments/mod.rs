@@ -1,5 +1,6 @@
 //! The flags that several commands share, and what their values mean.
 
+pub mod backend;
 pub mod form;
 pub mod picture;
 pub mod place_time;

@@ -5,6 +5,7 @@ use clap::Args;
 use glam::DVec3;
 use std::path::PathBuf;
 use tyndall::Result;
+use tyndall::backend::choose::Goal;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::effect::Method;
 use tyndall::error::Error;
@@ -97,24 +98,20 @@ pub struct MethodFlag(pub Option<Method>);
 impl PlanArgs {
     /// What these flags mean to a plan.
     pub fn overrules(&self) -> Overrules {
-        self.overrules_at(self.quality)
-    }
-
-    /// The same at another quality.
-    pub fn overrules_at(&self, quality: Quality) -> Overrules {
-        self.overrules_with(quality, self.method.0)
-    }
-
-    /// The same at another quality and by another method.
-    pub fn overrules_with(&self, quality: Quality, method: Option<Method>) -> Overrules {
         Overrules {
-            quality,
-            method,
+            quality: self.quality,
+            method: self.method.0,
             tolerance: self.tolerance,
             set: self.set.clone(),
             force: self.force.clone(),
             without: self.without.clone(),
         }
+    }
+
+    /// What quality and method are chosen by, if it is not the flags themselves.
+    pub fn goal(&self) -> Option<Goal> {
+        let error = self.max_error.map(Goal::MaxError);
+        error.or(self.within.map(Goal::Within))
     }
 }
 

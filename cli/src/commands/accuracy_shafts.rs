@@ -9,11 +9,11 @@ use clap::Args;
 use glam::{DVec3, Vec3};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use tyndall::backend::gpu::{Choice, Gpu};
 use tyndall::colour::{display, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::effect::Method;
 use tyndall::error::nearest;
-use tyndall::gpu::{Choice, adapters};
 use tyndall::output::png;
 use tyndall::studies::shafts::{Outcome, cost_at, measure, sweeps, truth};
 use tyndall::studies::{pareto, scenes};
@@ -62,18 +62,10 @@ struct Study {
 
 /// Runs the study.
 pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
-    let report = adapters::report();
-    let choice = match adapters::automatic(&report) {
-        Some(_) => Choice::Hardware,
-        None => Choice::Any,
-    };
-    let adapter = report
-        .adapters
-        .iter()
-        .find(|adapter| choice == Choice::Any || adapter.is_hardware())
-        .map_or("no adapter".to_owned(), |adapter| {
-            format!("{}, {}", adapter.name, adapter.kind.words())
-        });
+    // The best there is, of software too.
+    let mut gpu = Gpu::open(Choice::Any)?;
+    let adapter = &gpu.device().adapter;
+    let adapter = format!("{}, {}", adapter.name, adapter.kind.words());
     let mut extra = vec![("shadow.resolution".to_owned(), 4096.0)];
     extra.extend(flags.set.iter().cloned());
     let mut studies = Vec::new();
@@ -87,13 +79,14 @@ pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
                 continue;
             }
             eprintln!("{scene}: {}", trial.words());
+            let frames = flags.frames;
             outcomes.push(measure(
+                &mut gpu,
                 &conditions,
                 &trial,
                 &extra,
-                choice,
                 &truth,
-                flags.frames,
+                frames,
             )?);
         }
         let front = |cost: fn(&Outcome) -> f64| {

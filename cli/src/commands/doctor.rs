@@ -2,8 +2,8 @@
 
 use crate::tables::stdout;
 use std::fmt::Write;
+use tyndall::backend::gpu::adapters::{self, Adapter, Report};
 use tyndall::ephemeris::civil::tz_database;
-use tyndall::gpu::adapters::{self, Adapter, Report};
 
 /// List graphics adapters, what each can do, and what to install
 #[derive(Debug, clap::Args)]
@@ -128,7 +128,7 @@ fn mebibytes(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tyndall::gpu::adapters::{AdapterKind, Limits};
+    use tyndall::backend::gpu::adapters::{AdapterKind, Limits};
 
     #[test]
     fn the_table_tells_what_was_found() {

@@ -8,9 +8,10 @@ use crate::tell;
 use clap::Args;
 use serde_json::json;
 use tyndall::Result;
+use tyndall::backend::StepTime;
+use tyndall::backend::reference::{Reference, predict};
 use tyndall::effect::Contribution;
 use tyndall::plan::{Plan, Step};
-use tyndall::reference::{Reference, predict};
 
 /// List the effects that a scene calls for, and why not the others
 #[derive(Debug, Args)]
@@ -29,9 +30,11 @@ pub fn run(args: &PlanCommand) -> Result<()> {
     let plan = Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
     let seconds = predict(&Reference::new(&plan));
+    let in_seconds = |step: &StepTime| step.time.unwrap_or_default().as_secs_f64();
     let seconds_of = |step: &Step| {
-        let found = seconds.iter().find(|s| s.effect == step.effect.name);
-        found.map(|s| s.time.as_secs_f64())
+        let name = step.effect.name;
+        let found = seconds.iter().find(|s| s.effect.name == name);
+        found.map(in_seconds)
     };
     if args.form.json {
         let mut steps = tell::plan_json(&plan);
@@ -93,7 +96,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         }
         text += &(row[4].clone() + "\n");
     }
-    let total: f64 = seconds.iter().map(|s| s.time.as_secs_f64()).sum();
+    let total: f64 = seconds.iter().map(in_seconds).sum();
     text += &format!(
         "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what is certain to add less than {} of {:.0} cd/m2\n",
         conditions.view.size[0],

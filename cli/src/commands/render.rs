@@ -1,10 +1,9 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
+use crate::arguments::backend::BackendFlag;
 use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
 use crate::arguments::scene::{PlanArgs, SceneArgs};
-use crate::backend::{self, Backend, BackendFlag, Done};
-use crate::choose;
-use crate::tables::stdout;
+use crate::tables::{stdout, work};
 use crate::tell;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -12,7 +11,9 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use tyndall::Result;
-use tyndall::accuracy::{self, Check};
+use tyndall::backend::check::{self, Check};
+use tyndall::backend::choose::choose;
+use tyndall::backend::{Backend, Limits, Rendered};
 use tyndall::colour::{Space, display, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
@@ -73,14 +74,15 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // What is wrong with the flags is said before anything is measured.
     Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    let backend = Backend::new(args.backend)?;
-    let memory = (args.max_memory * f64::from(1 << 30)) as u64;
-    let chosen = choose::quality(&args.plan, &conditions, args.backend, memory)?;
-    let plan = Plan::new(
-        &conditions,
-        &args.plan.overrules_with(chosen.quality, chosen.method),
-    )?;
-    tell::chosen(chosen.why.as_deref());
+    let mut backend = Backend::open(args.backend.wanted())?;
+    let limits = Limits::memory((args.max_memory * f64::from(1 << 30)) as u64);
+    let mut overrules = args.plan.overrules();
+    if let Some(goal) = args.plan.goal() {
+        let chosen = choose(&mut backend, &conditions, &overrules, goal, &limits)?;
+        tell::chosen(&chosen.why);
+        overrules = chosen.overrules;
+    }
+    let plan = Plan::new(&conditions, &overrules)?;
     tell::plan(&plan, &backend.describe());
     let prepared = start.elapsed();
 
@@ -88,14 +90,19 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
-    let mut rendered = backend.render(&plan, memory, &|share| {
+    let mut rendered = backend.render(&plan, &limits, &|share| {
         bar.set_position((1000.0 * share) as u64)
     })?;
     bar.finish_and_clear();
 
     let writing = Instant::now();
     let ev100 = ev100(args, &conditions, &rendered.frame);
-    record(&mut rendered, &plan, ev100);
+    record(
+        &mut rendered.frame,
+        work::method(&backend, &plan),
+        &plan,
+        ev100,
+    );
     for (path, format) in files.iter().zip(&formats) {
         let space = output_space(args.color_space);
         match format {
@@ -109,11 +116,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             }
         }
     }
-    let stages = tell::stages(&rendered, prepared, writing.elapsed());
+    let mut stages = vec![("prepare".to_owned(), prepared.as_secs_f64())];
+    stages.extend(work::stages(&backend, &rendered));
+    stages.push(("write".to_owned(), writing.elapsed().as_secs_f64()));
     tell::rendered(&rendered, ev100, &stages);
     tell::files(&files);
     let check = check(args, &conditions, &rendered.frame)?;
-    let report = report(&plan, &rendered, &stages, &files, check.as_ref());
+    let work = work::details(&backend, &rendered);
+    let report = report(&plan, &rendered, work, &stages, &files, check.as_ref());
     if let Some(path) = &args.report {
         output::report::write(path, &report)?;
     }
@@ -145,8 +155,8 @@ fn check(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> Result<Op
         ..args.plan.overrules()
     };
     let yardstick = Plan::new(conditions, &finest)?;
-    let check = accuracy::check(frame, &yardstick, count as usize)?;
-    tell::check(&backend::table(&check));
+    let check = check::check(frame, &yardstick, count as usize)?;
+    tell::check(&work::check_lines(&check));
     Ok(Some(check))
 }
 
@@ -164,14 +174,14 @@ fn ev100(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> f64 {
 }
 
 /// What the picture file says about itself.
-fn record(rendered: &mut Done, plan: &Plan, ev100: f64) {
+fn record(frame: &mut Frame, method: &str, plan: &Plan, ev100: f64) {
     let conditions = plan.conditions;
-    let record = &mut rendered.frame.record;
+    let record = &mut frame.record;
     record.set("version", env!("CARGO_PKG_VERSION"));
     for (name, value) in conditions.facts() {
         record.set(name, value);
     }
-    record.set("method", rendered.method);
+    record.set("method", method);
     for step in plan.running() {
         for (knob, value) in &step.settings {
             record.set(format!("{}.{knob}", step.effect.name), *value);
@@ -182,7 +192,8 @@ fn record(rendered: &mut Done, plan: &Plan, ev100: f64) {
 
 fn report(
     plan: &Plan,
-    rendered: &Done,
+    rendered: &Rendered,
+    work: serde_json::Value,
     stages: &[(String, f64)],
     files: &[PathBuf],
     check: Option<&Check>,
@@ -196,7 +207,7 @@ fn report(
         "refined_pixels": rendered.refined,
         "stages": stages.iter().map(|(name, seconds)| json!({"name": name, "seconds": seconds})).collect::<Vec<_>>(),
         "render_seconds": rendered.elapsed.as_secs_f64(),
-        "work": rendered.details,
+        "work": work,
         "check": check,
         "files": files,
     })

@@ -1,10 +1,10 @@
 //! `tyndall sky`: the sky alone, as an environment map or in numbers.
 
+use crate::arguments::backend::BackendFlag;
 use crate::arguments::form::FormArgs;
 use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::arguments::scene::{pair, size};
-use crate::backend::{Backend, BackendFlag};
 use crate::tables::batch::Form;
 use crate::tables::columns::{self, Columns};
 use crate::tables::sky_batch;
@@ -14,10 +14,11 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use tyndall::backend::Backend;
+use tyndall::backend::gpu::sky_map;
 use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
-use tyndall::gpu::sky_map;
 use tyndall::output::{self, Format};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, SunPath};
@@ -352,17 +353,17 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
     let [width, height] = args.size.unwrap_or(size);
     let map = Map::new(projection, width, height)?;
     let ground = ground(args, subject);
-    let backend = Backend::new(args.backend)?;
+    let backend = Backend::open(args.backend.wanted())?;
     let mut rgb = match &backend {
-        Backend::Gpu(device) => {
-            let painted = sky_map::paint(device, &map, &subject.sky, ground)?;
+        Backend::Gpu(gpu) => {
+            let painted = sky_map::paint(gpu.device(), &map, &subject.sky, ground)?;
             if let Some(time) = painted.time {
                 let milliseconds = 1e3 * time.as_secs_f64();
                 eprintln!("painted    in {milliseconds:.2} ms on the device");
             }
             painted.texels
         }
-        Backend::Reference => map.paint(&subject.sky, ground),
+        Backend::Reference(_) => map.paint(&subject.sky, ground),
     };
     eprintln!("backend    {}", backend.describe());
     if !args.without_sun {

@@ -8,3 +8,4 @@ pub mod stdout;
 pub mod sun_batch;
 pub mod sun_columns;
 pub mod time_text;
+pub mod work;

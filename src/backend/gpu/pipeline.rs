@@ -1,9 +1,9 @@
 //! From a pass as data to pipelines and bind group layouts, each compiled once.
 
 use super::device::Device;
-use super::source::{Binding, shader_text};
+use super::source::{Binding, bindings, shader_text};
 use crate::conditions::Conditions;
-use crate::effect::{Over, Pass, RasterView, Settings, When};
+use crate::effect::{Effect, Over, Pass, RasterView, Settings, When};
 use std::collections::HashMap;
 use wgpu::*;
 
@@ -38,7 +38,7 @@ pub struct Raster {
 /// What a pass is compiled from.
 pub struct Compile<'c> {
     pub device: &'c Device,
-    pub effect: &'static str,
+    pub effect: &'static Effect,
     pub pass: &'static Pass,
     pub conditions: &'c Conditions,
     pub settings: &'c Settings<'c>,
@@ -91,17 +91,18 @@ fn common_entries(counting: bool) -> Vec<BindGroupLayoutEntry> {
 }
 
 /// What a pass uses.
-fn own_entries(pass: &Pass) -> Vec<BindGroupLayoutEntry> {
+fn own_entries(effect: &Effect, pass: &Pass) -> Vec<BindGroupLayoutEntry> {
     let stages = match pass.over {
         Over::Raster(_) => ShaderStages::VERTEX_FRAGMENT,
         _ => ShaderStages::COMPUTE,
     };
     let numbers = TextureSampleType::Uint;
-    pass.uses
+    let (all, own) = bindings(effect, pass);
+    all[..own]
         .iter()
         .zip(0..)
-        .map(|(resource, binding)| {
-            let ty = match Binding::of(resource) {
+        .map(|((_, access), binding)| {
+            let ty = match access {
                 Binding::Read => buffer(READ),
                 Binding::Write => buffer(WRITE),
                 Binding::Uniform => buffer(BufferBindingType::Uniform),
@@ -177,7 +178,7 @@ impl Pipelines {
         let device = &what.device.device;
         device.create_bind_group_layout(&BindGroupLayoutDescriptor {
             label: Some(what.pass.entry),
-            entries: &own_entries(what.pass),
+            entries: &own_entries(what.effect, what.pass),
         })
     }
 
@@ -191,8 +192,14 @@ impl Pipelines {
 
     /// A compute pass, compiled unless it has been, and the layout of its own bind group.
     pub fn compute(&mut self, what: &Compile) -> (ComputePipeline, BindGroupLayout) {
-        let label = format!("{}.{}", what.effect, what.pass.entry);
-        let text = shader_text(what.pass, what.conditions, what.settings, what.counting);
+        let label = format!("{}.{}", what.effect.name, what.pass.entry);
+        let text = shader_text(
+            what.effect,
+            what.pass,
+            what.conditions,
+            what.settings,
+            what.counting,
+        );
         let key = (label.clone(), text, what.counting);
         if let Some(known) = self.compute.get(&key) {
             return known.clone();
@@ -215,8 +222,14 @@ impl Pipelines {
 
     /// A raster pass, compiled unless it has been, and the layout of its own bind group.
     pub fn raster(&mut self, what: &Compile, holes: bool) -> (Raster, BindGroupLayout) {
-        let label = format!("{}.{}", what.effect, what.pass.entry);
-        let text = shader_text(what.pass, what.conditions, what.settings, what.counting);
+        let label = format!("{}.{}", what.effect.name, what.pass.entry);
+        let text = shader_text(
+            what.effect,
+            what.pass,
+            what.conditions,
+            what.settings,
+            what.counting,
+        );
         let key = (label.clone(), text, what.counting);
         if let Some(known) = self.raster.get(&key)
             && (known.0.cut_out.is_some() || !holes)
@@ -294,9 +307,9 @@ mod tests {
         let all = effect::ALL
             .iter()
             .filter(keep)
-            .flat_map(|effect| effect.passes);
-        let seen = all.flat_map(|pass| {
-            let entries = [common_entries(counting), own_entries(pass)].concat();
+            .flat_map(|effect| effect.passes.iter().map(move |pass| (effect, pass)));
+        let seen = all.flat_map(|(effect, pass)| {
+            let entries = [common_entries(counting), own_entries(effect, pass)].concat();
             let is_storage = |entry: &&BindGroupLayoutEntry| {
                 matches!(
                     entry.ty,

@@ -181,7 +181,7 @@ impl<'p> Maker<'_, 'p> {
         let plan = self.plan;
         let what = Compile {
             device: self.device,
-            effect: effect.name,
+            effect,
             pass,
             conditions: plan.conditions,
             settings,

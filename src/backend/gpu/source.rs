@@ -2,7 +2,7 @@
 
 use super::shared;
 use crate::conditions::Conditions;
-use crate::effect::{Field, Number, Pass, Product, Resource, Settings};
+use crate::effect::{Effect, Field, Number, Pass, Product, Resource, Settings};
 use crate::sky;
 
 /// What is read before every shader, whether it counts its reads or not.
@@ -42,7 +42,7 @@ pub(super) enum Binding {
 }
 
 impl Binding {
-    pub fn of(resource: &Resource) -> Self {
+    fn of(resource: &Resource) -> Self {
         match resource {
             Resource::Update(_) | Resource::Each | Resource::Make(_) => Binding::Write,
             Resource::Numbers => Binding::Texture,
@@ -51,6 +51,25 @@ impl Binding {
             _ => Binding::Read,
         }
     }
+}
+
+/// All that the text of a pass's shader names, in the order of the bindings, and how: what the pass itself sees, which is so many,
+/// and then what only other passes of the same text do. What any of them writes, all may: it is one text.
+pub(super) fn bindings(effect: &Effect, pass: &Pass) -> (Vec<(Resource, Binding)>, usize) {
+    let same =
+        |other: &&Pass| std::ptr::eq(other.shader, pass.shader) || other.shader == pass.shader;
+    let others = effect.passes.iter().filter(same).flat_map(|p| p.uses);
+    let mut all: Vec<(Resource, Binding)> = Vec::new();
+    for resource in pass.uses.iter().chain(others) {
+        let (name, _) = declared(resource);
+        let binding = Binding::of(resource);
+        match all.iter_mut().find(|(known, _)| declared(known).0 == name) {
+            Some((_, known)) if binding == Binding::Write => *known = binding,
+            Some(_) => {}
+            None => all.push((*resource, binding)),
+        }
+    }
+    (all, pass.uses.len())
 }
 
 /// The name of a resource in the shader, and its type there.
@@ -78,15 +97,16 @@ fn declared(resource: &Resource) -> (&'static str, &'static str) {
 
 /// The whole text of a pass's shader, as the device is given it.
 pub fn shader_text(
+    effect: &Effect,
     pass: &Pass,
     conditions: &Conditions,
     settings: &Settings<'_>,
     counting: bool,
 ) -> String {
     let mut text = common(counting);
-    for (resource, binding) in pass.uses.iter().zip(0..) {
+    for ((resource, access), binding) in bindings(effect, pass).0.iter().zip(0..) {
         let (name, kind) = declared(resource);
-        let space = match Binding::of(resource) {
+        let space = match access {
             Binding::Read => "<storage, read>",
             Binding::Write => "<storage, read_write>",
             Binding::Uniform => "<uniform>",

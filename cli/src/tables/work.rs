@@ -1,0 +1,105 @@
+//! What a rendering did and how long that took, for people and for reports.
+
+use serde_json::{Value, json};
+use std::time::Duration;
+use tyndall::backend::check::Check;
+use tyndall::backend::{Backend, Rendered, StepTime};
+use tyndall::effect::Effect;
+use tyndall::plan::Plan;
+
+/// How sunlight in the air was integrated.
+pub fn method(backend: &Backend, plan: &Plan) -> &'static str {
+    let mut methods = plan.running().filter_map(|step| step.effect.method);
+    match (backend, methods.next()) {
+        // It is exact and knows none of the methods.
+        (Backend::Reference(_), _) => "exact lit runs (reference)",
+        (Backend::Gpu(_), method) => method.map_or("none", |method| method.name()),
+    }
+}
+
+/// The stages of the work and their wall time [s].
+pub fn stages(backend: &Backend, rendered: &Rendered) -> Vec<(String, f64)> {
+    let wall = rendered.elapsed.as_secs_f64();
+    let seconds = |step: &StepTime| step.time.as_ref().map(Duration::as_secs_f64);
+    if let Backend::Reference(_) = backend {
+        let cpu: f64 = rendered.steps.iter().filter_map(seconds).sum();
+        let share = |step: &StepTime| seconds(step).unwrap_or(0.0) / cpu.max(f64::MIN_POSITIVE);
+        let steps = rendered.steps.iter();
+        return steps
+            .map(|step| (plain(step.effect).to_owned(), share(step) * wall))
+            .collect();
+    }
+    let mut stages: Vec<(String, f64)> = rendered
+        .steps
+        .iter()
+        .filter_map(|step| {
+            let name = format!("{}.{}", step.effect.name, step.pass);
+            Some((name, seconds(step)?))
+        })
+        .collect();
+    let known: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
+    stages.push(("transfer and waiting".into(), (wall - known).max(0.0)));
+    stages
+}
+
+/// The reference knows none of the methods by which a GPU integrates sunlight in the air.
+fn plain(effect: &Effect) -> &str {
+    match effect.method {
+        Some(_) => "shafts",
+        None => effect.name,
+    }
+}
+
+/// What was done, for the report.
+pub fn details(backend: &Backend, rendered: &Rendered) -> Value {
+    let Backend::Gpu(gpu) = backend else {
+        return json!({ "backend": "reference", "words": backend.describe() });
+    };
+    let passes: Vec<Value> = rendered
+        .steps
+        .iter()
+        .map(|step| {
+            json!({
+                "effect": step.effect.name,
+                "pass": step.pass,
+                "on": if step.on_cpu { "cpu" } else { "gpu" },
+                "runs": step.runs,
+                "seconds": step.time.map(|t| t.as_secs_f64()),
+            })
+        })
+        .collect();
+    let on_gpu = rendered.steps.iter().filter(|step| !step.on_cpu);
+    let mut pipelines: Vec<String> = on_gpu
+        .map(|step| format!("{}.{}", step.effect.name, step.pass))
+        .collect();
+    pipelines.dedup();
+    let traffic = rendered.traffic;
+    json!({
+        "backend": "gpu",
+        "adapter": gpu.device().adapter,
+        "passes": passes,
+        "pipelines": pipelines,
+        "compiled": rendered.made.pipelines,
+        "bytes": {
+            "allocated": traffic.allocated,
+            "uploaded": traffic.uploaded,
+            "downloaded": traffic.downloaded,
+        },
+    })
+}
+
+/// The measured error as lines of a table.
+pub fn check_lines(check: &Check) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{} pixels against the reference: relative RMSE, its 95 % interval, 99th percentile",
+        check.pixels
+    )];
+    lines.extend(check.layers.iter().map(|layer| {
+        let [low, high] = layer.interval;
+        format!(
+            "{:<17}{:.3e}  [{low:.3e}, {high:.3e}]  {:.3e}",
+            layer.layer, layer.relative_rmse, layer.percentile_99
+        )
+    }));
+    lines
+}
