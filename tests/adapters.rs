@@ -2,7 +2,7 @@
 
 mod common;
 
-use tyndall::gpu::adapters::{AdapterKind, report};
+use tyndall::backend::gpu::adapters::{AdapterKind, report};
 
 #[test]
 fn adapters_have_what_webgpu_promises() {

@@ -3,6 +3,7 @@
 mod common;
 
 use glam::{DVec2, DVec3};
+use tyndall::beam::Beam;
 use tyndall::scene::curtain::Run;
 use tyndall::scene::{AlphaMode, Geometry, Material, Ray, Scene, Texture, Wrap};
 
@@ -77,7 +78,11 @@ fn disagreements(
     random: &mut Random,
 ) -> usize {
     let mut dark: Vec<Vec<Run>> = Vec::new();
-    geometry.dark_runs(ray, far, suns, &mut dark);
+    let beams: Vec<Beam> = suns
+        .iter()
+        .map(|sun| Beam::parallel(*sun, DVec3::ONE))
+        .collect();
+    geometry.dark_runs(ray, far, &beams, &mut dark);
     let rounding = 1e-11 * (far + ray.origin.length() + geometry.extent());
     let mut wrong = 0;
     for (sun, runs) in suns.iter().zip(&dark) {
@@ -222,7 +227,7 @@ fn the_comparison_fails_when_the_sun_is_off() {
     let sun = DVec3::new(0.3, 0.8, 0.1).normalize();
     let off = (sun + DVec3::X * 0.5f64.to_radians()).normalize();
     let mut dark = Vec::new();
-    geometry.dark_runs(&ray, 40.0, &[off], &mut dark);
+    geometry.dark_runs(&ray, 40.0, &[Beam::parallel(off, DVec3::ONE)], &mut dark);
     let wrong = (0..4000)
         .filter(|i| {
             let t = 40.0 * (*i as f64 + 0.5) / 4000.0;

@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use tyndall::frame::{Frame, LAYERS, Layer, NO_HIT};
+use tyndall::frame::{Field, Frame, Layer, NO_HIT};
 use tyndall::output::{OutputSpace, atomic, check_targets, exr, hdr, png, report, select_layers};
 
 /// Linear Rec. 709, by the matrix of ITU-R BT.2087 inverted: dark Rec. 2020 greens become negative in it.
@@ -33,7 +33,7 @@ fn rec709() -> OutputSpace {
 fn frame(width: u32, height: u32) -> Frame {
     let mut frame = Frame::new(width, height);
     let pixels = frame.pixels();
-    for (k, name) in LAYERS.into_iter().enumerate() {
+    for (k, name) in Field::layers().map(Field::name).enumerate() {
         if ["lights", "inscatter_lights"].contains(&name) {
             continue;
         }
@@ -190,7 +190,7 @@ fn compare(found: &Found, frame: &Frame, space: &OutputSpace) -> Result<(), Stri
             Err(format!("{name} has {} values", values.len()))
         }
     };
-    let count = 4 + 3 * (LAYERS.len() + 2);
+    let count = 4 + 3 * (Field::layers().count() + 2);
     if found.channels.len() != count {
         return Err(format!("{} channels", found.channels.len()));
     }
@@ -198,7 +198,7 @@ fn compare(found: &Found, frame: &Frame, space: &OutputSpace) -> Result<(), Stri
         for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
             let mut sum = 0.0;
             let mut size = 0f64;
-            for name in LAYERS {
+            for name in Field::layers().map(Field::name) {
                 let value = f64::from(channel(&format!("{name}.{letter}"))?[i]);
                 let rgb = frame
                     .layer(name)

@@ -7,14 +7,15 @@ use common::shafts::render;
 use common::views::*;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
+use tyndall::backend::gpu::{Choice, Gpu};
+use tyndall::backend::reference::Reference;
+use tyndall::backend::{Limits, Made};
 use tyndall::colour::luminance;
 use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
-use tyndall::effect::{Contribution, Decision, Effect, Field, Kind, Method, Pass, Resource};
+use tyndall::effect::{Field, Method};
 use tyndall::frame::Frame;
-use tyndall::gpu::{Choice, Device, Gpu};
 use tyndall::medium::{Phase, Shape};
-use tyndall::plan::{Overrules, Plan, Quality, Step};
-use tyndall::reference::Reference;
+use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{self, Camera, Projection, Scene, SunEntry};
 
 const DEG: f64 = PI / 180.0;
@@ -51,7 +52,7 @@ fn by_gpu(conditions: &Conditions, set: Settings) -> Frame {
 }
 
 fn render_by_reference(plan: &Plan) -> Frame {
-    let rendered = Reference::new(plan).render(1 << 30, &|_| {});
+    let rendered = Reference::new(plan).render(&Limits::memory(1 << 30), &|_| {});
     rendered.expect("the picture fits into memory").frame
 }
 
@@ -118,7 +119,7 @@ fn disagreements(found: &Frame, truth: &Frame) -> Vec<String> {
         away[i] = false;
     }
     // All layers of the list: one that an effect adds later is compared without a word here.
-    for field in Field::LAYERS {
+    for field in Field::layers() {
         let error = match field {
             Field::InscatterSun => rmse(found, truth, field, |_| true),
             _ => rmse(found, truth, field, |i| away[i]),
@@ -617,23 +618,31 @@ fn nothing_is_made_for_an_effect_that_does_not_run() {
     }
     let made = |conditions: &Conditions| {
         let plan = plan(conditions, &[]);
-        let device = Device::open(Choice::Any).expect("there is an adapter");
-        let mut gpu = Gpu::new(&plan, device).expect("the plan fits the device");
-        let first = gpu.render(1 << 30, &|_| {}).expect("the device works");
-        let second = gpu.render(1 << 30, &|_| {}).expect("the device works");
+        let mut gpu = Gpu::open(Choice::Any).expect("there is an adapter");
+        let mut render = || {
+            let rendered = gpu.render(&plan, &Limits::memory(1 << 30), &|_| {});
+            rendered.expect("the device works")
+        };
+        let first = render();
+        let second = render();
         assert!(first.frame == second.frame);
-        // All is allocated once.
-        assert_eq!(first.traffic, second.traffic);
-        for step in plan.steps.iter().filter(|step| !step.decision.run) {
-            let own = format!("{}.", step.effect.name);
-            assert!(
-                !gpu.pipelines().iter().any(|p| p.starts_with(&own)),
-                "{own}"
-            );
-            assert!(!second.passes.iter().any(|p| p.effect == step.effect.name));
-        }
-        let pipelines = gpu.pipelines().to_vec();
-        (pipelines, gpu.fields().to_vec(), second.traffic.allocated)
+        // All is made once, and allocated once.
+        assert!(first.made.scene && first.made.pipelines > 0 && first.made.maps < 100);
+        assert_eq!(second.made, Made::default());
+        assert_eq!(first.traffic.allocated, second.traffic.allocated);
+        let running: Vec<&str> = plan.running().map(|step| step.effect.name).collect();
+        let ran: Vec<String> = second
+            .steps
+            .iter()
+            .map(|step| {
+                assert!(running.contains(&step.effect.name), "{}", step.effect.name);
+                format!("{}.{}", step.effect.name, step.pass)
+            })
+            .collect();
+        let compiled = second.steps.iter().filter(|step| step.pass != "reference");
+        // Passes over fields and those for several beams are compiled once.
+        assert!(first.made.pipelines <= compiled.count());
+        (ran, plan.written(), second.traffic.allocated)
     };
     let whole = slats(1.0);
     let (pipelines, fields, bytes) = made(&at_size(&whole));
@@ -659,78 +668,4 @@ fn nothing_is_made_for_an_effect_that_does_not_run() {
     assert!(!pipelines.iter().any(|p| p.starts_with("shadow")));
     // No shadow maps, of depths and of casters.
     assert!(least + 2 * 4 * 512 * 512 <= less, "{least} {less}");
-}
-
-/// A small effect, as it would be added: each surface glows by its albedo.
-const GLOW: Effect = Effect {
-    name: "glow",
-    summary: "surfaces glow",
-    reads: &[Field::Surface],
-    writes: &[Field::Lights],
-    remembers: false,
-    method: None,
-    knobs: &[],
-    decide: |_| Decision::run("a test", Contribution::Bound(100.0)),
-    reference: |_, _| {
-        Box::new(|fields| {
-            fields.update(Field::Lights, |_, _, surface, present| {
-                present + 100.0 * surface.albedo
-            });
-        })
-    },
-    passes: &[Pass {
-        shader: "
-            @group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-            @group(1) @binding(1) var<storage, read_write> lights: array<vec4f>;
-            @compute @workgroup_size(8, 8) fn glow(@builtin(global_invocation_id) id: vec3u) {
-                if inside_tile(id) {
-                    let i = pixel_index(id);
-                    lights[i] += vec4f(100.0 * surfaces[i].albedo, 0.0);
-                }
-            }",
-        entry: "glow",
-        kind: Kind::Pixels,
-        uses: &[
-            Resource::Read(Field::Surface),
-            Resource::Update(Field::Lights),
-        ],
-        scratch: &[],
-    }],
-};
-
-#[test]
-fn an_added_effect_is_rendered_compared_and_reported() {
-    if !common::gpu("an_added_effect_is_rendered_compared_and_reported") {
-        return;
-    }
-    let conditions = at_size(&slats(1.0));
-    let with_glow = |passes: bool| {
-        let mut plan = plan(&conditions, ADEQUATE);
-        const ON_CPU: Effect = Effect {
-            passes: &[],
-            ..GLOW
-        };
-        plan.steps.insert(
-            plan.steps.len() - 1,
-            Step {
-                effect: if passes { &GLOW } else { &ON_CPU },
-                decision: (GLOW.decide)(&conditions),
-                settings: Vec::new(),
-            },
-        );
-        plan
-    };
-    let truth = render_by_reference(&with_glow(true));
-    assert!(layer(&truth, Field::Lights).iter().any(|v| v.x > 1.0));
-    for passes in [true, false] {
-        let found = render(&with_glow(passes));
-        assert_eq!(disagreements(&found.frame, &truth), [""; 0]);
-        let entry = found.passes.iter().find(|p| p.effect == "glow");
-        assert_eq!(entry.map(|p| p.on_cpu), Some(!passes));
-    }
-    // One that does not do what its reference does is noticed.
-    let plain = render(&plan(&conditions, ADEQUATE));
-    let complaints = disagreements(&plain.frame, &truth);
-    assert_eq!(complaints.len(), 1, "{complaints:?}");
-    assert!(complaints[0].starts_with("lights"));
 }

@@ -6,14 +6,14 @@ use common::build::*;
 use common::views::*;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
+use tyndall::backend::Limits;
+use tyndall::backend::reference::Reference;
 use tyndall::colour::luminance;
 use tyndall::conditions::{Conditions, toward};
 use tyndall::effect::{Field, Method};
 use tyndall::frame::Frame;
-use tyndall::gpu::{Choice, Device, Gpu};
 use tyndall::medium::{ClearAir, Medium, Phase, Scattering, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::reference::Reference;
 use tyndall::scene::{Camera, Projection, Scene, SunEntry};
 
 const DEG: f64 = PI / 180.0;
@@ -40,22 +40,13 @@ fn plan(conditions: &Conditions) -> Plan<'_> {
 
 fn by_gpu(conditions: &Conditions) -> Frame {
     let plan = plan(conditions);
-    let device = Device::open(Choice::Any).expect("there is an adapter");
-    let mut gpu = Gpu::new(&plan, device).expect("the plan fits the device");
-    let frame = gpu
-        .render(1 << 30, &|_| {})
-        .expect("the device works")
-        .frame;
-    frame
-        .check()
-        .expect("every value is finite and not negative");
-    frame
+    common::shafts::render(&plan).frame
 }
 
 fn by_reference(conditions: &Conditions) -> Frame {
     let plan = plan(conditions);
     let frame = Reference::new(&plan)
-        .render(1 << 30, &|_| {})
+        .render(&Limits::memory(1 << 30), &|_| {})
         .expect("the picture fits into memory")
         .frame;
     frame
@@ -427,7 +418,7 @@ fn greatest_error(conditions: &Conditions) -> f64 {
 /// The greatest relative error of a picture's in-scattering, if `conditions` are what it shows.
 fn error_against(frame: &Frame, conditions: &Conditions) -> f64 {
     let found = layer(frame, Field::InscatterSun);
-    let points = conditions.sun.points(1);
+    let points = conditions.sun.beams(1);
     let (mut worst, mut seen) = (0.0f64, 0);
     for (i, got) in found.iter().enumerate() {
         let (x, y) = (i as u32 % frame.width, i as u32 / frame.width);
@@ -437,8 +428,8 @@ fn error_against(frame: &Frame, conditions: &Conditions) -> f64 {
         let end = air
             .end(ray.origin, ray.direction)
             .min(f64::from(frame.depth[i]));
-        let truth = Scattering::new(air, ray.origin, ray.direction, end, points[0].toward);
-        let truth = points[0].illuminance * truth.integrate(0.0, end);
+        let truth = Scattering::new(air, ray.origin, ray.direction, end, &points[0]);
+        let truth = points[0].strength() * truth.integrate(0.0, end);
         if truth.min_element() > 1e-20 {
             worst = worst.max((*got / truth - 1.0).abs().max_element());
             seen += 1;

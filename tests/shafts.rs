@@ -9,7 +9,7 @@ use common::views::*;
 use glam::{DVec2, DVec3};
 use tyndall::conditions::{CameraChoice, Conditions, Request, toward};
 use tyndall::effect::{
-    Contribution, Decision, Effect, Field, Kind, Method, Over, Pass, Resource, rows,
+    Contribution, Decision, Effect, Field, Method, Over, Pass, Resource, When, rows, sun_beams,
 };
 use tyndall::frame::Frame;
 use tyndall::medium::{Phase, Shape};
@@ -546,21 +546,15 @@ const BRUTE: Effect = Effect {
     summary: "rows without their trees",
     reads: &[Field::Surface],
     writes: &[Field::Lights],
-    remembers: false,
-    method: None,
-    knobs: &[],
     decide: |_| Decision::run("a test", Contribution::Bound(1e9)),
-    reference: |_, _| Box::new(|_| {}),
     passes: &[
         rows::BEGIN,
         rows::MEASURE,
         rows::BUILD,
         Pass {
-            shader: "
-@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-@group(1) @binding(1) var<storage, read> knobs: array<f32>;
-@group(1) @binding(2) var<storage, read_write> lights: array<vec4f>;
-
+            shader: concat!(
+                include_str!("../shaders/common/rows.wgsl"),
+                "
 fn threshold_of(row: u32, column: u32, blocks: u32) -> u32 {
     let pair = tree[tree_row(row, blocks) + column / 8u][(column / 2u) % 4u];
     return select(pair & 0xffffu, pair >> 16u, (column & 1u) != 0u);
@@ -603,7 +597,7 @@ fn brute(@builtin(global_invocation_id) id: vec3u) {
     if span.shaded.y <= span.shaded.x || along_light(slice, span.shaded) {
         return;
     }
-    let rows = rows_of(u32(knobs[0]), u32(knobs[1]));
+    let rows = rows_of(knobs.rows, knobs.columns);
     let blocks = rows.columns / 8u;
     let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
     let by_tree = scattered_in_row(origin, direction, slice, span, rows, row, 0u);
@@ -624,17 +618,21 @@ fn brute(@builtin(global_invocation_id) id: vec3u) {
     let off = abs(by_tree - run_sum) / max(run_sum, vec3f(1e-20));
     lights[i] = vec4f(max(off.x, max(off.y, off.z)), f32(strays(row, blocks)), f32(any(run_sum > vec3f(0.0))), 0.0);
 }
-",
+"
+            ),
             entry: "brute",
-            kind: Kind::EachSun("suns", Over::Pixels),
+            over: Over::Pixels,
+            when: When::EachBeam(sun_beams),
             uses: &[
                 Resource::Read(Field::Surface),
-                Resource::Table(|_, settings| rows::table(settings)),
+                Resource::Knobs(|_, settings| rows::knobs(settings)),
                 Resource::Update(Field::Lights),
+                Resource::Make(&rows::ASKED),
+                Resource::Make(&rows::TREE),
             ],
-            scratch: &rows::SCRATCH,
         },
     ],
+    ..Effect::NOTHING
 };
 
 #[test]
@@ -689,15 +687,15 @@ fn one_point_stands_for_the_sun_where_its_edges_are_narrower_than_a_pixel() {
     };
     let near = at(0.0, PICTURE);
     assert!(near.widest_penumbra() > 10.0);
-    assert_eq!(near.sun_points(4).len(), 4);
+    assert_eq!(near.sun_beams(4).len(), 4);
     // The eye in the shadow of all.
     assert_eq!(at(-16.0, PICTURE).widest_penumbra(), f64::INFINITY);
     // Edges of 0.3 m at 300 m are 0.06 degrees wide; a pixel of a small picture has 0.3 degrees, one of a large picture 0.03.
     let far = at(300.0, PICTURE);
     let pixels = far.widest_penumbra();
     assert!(pixels > 0.1 && pixels < 1.0, "{pixels}");
-    assert_eq!(far.sun_points(4).len(), 1);
+    assert_eq!(far.sun_beams(4).len(), 1);
     let large = at(300.0, [2560, 1920]);
     assert!((large.widest_penumbra() / pixels / 10.0 - 1.0).abs() < 0.02);
-    assert_eq!(large.sun_points(4).len(), 4);
+    assert_eq!(large.sun_beams(4).len(), 4);
 }

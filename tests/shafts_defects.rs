@@ -661,13 +661,13 @@ fn light_and_what_shadows_take_are_all_light() {
         let found = by_reference(&conditions, &[]);
         let mut dark = Vec::new();
         let (mut all, mut taken) = (Vec::new(), Vec::new());
-        let sun = conditions.sun.toward;
+        let beam = tyndall::beam::Beam::parallel(conditions.sun.toward, DVec3::ONE);
         let lux = conditions.sun.light.illuminance.x;
         for (ray, depth) in rays(&conditions).iter().zip(&found.depth) {
             let air = &conditions.air;
             let end = f64::from(*depth).min(air.end(ray.origin, ray.direction));
-            conditions.geometry.dark_runs(ray, end, &[sun], &mut dark);
-            let scattering = Scattering::new(air, ray.origin, ray.direction, end, sun);
+            conditions.geometry.dark_runs(ray, end, &[beam], &mut dark);
+            let scattering = Scattering::new(air, ray.origin, ray.direction, end, &beam);
             all.push(lux * scattering.integrate(0.0, end).x);
             let parts = dark[0].iter().map(|[a, b]| scattering.integrate(*a, *b).x);
             taken.push(lux * parts.sum::<f64>());

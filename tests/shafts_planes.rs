@@ -5,12 +5,12 @@ mod common;
 use common::build::*;
 use common::gpu;
 use glam::DVec3;
+use tyndall::backend::Limits;
+use tyndall::backend::reference::Reference;
 use tyndall::conditions::Conditions;
 use tyndall::effect::{Field, Method};
-use tyndall::gpu::{Choice, Device, Gpu};
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::reference::Reference;
 use tyndall::scene::{Camera, Projection};
 use tyndall::studies::scenes::{View, antisolar, colonnade, fog, gates, slats};
 use tyndall::units::DEG;
@@ -38,17 +38,17 @@ fn plan<'c>(conditions: &'c Conditions, set: &[(&str, f64)]) -> Plan<'c> {
 /// Light in the air, and reads a pixel.
 fn by_planes(conditions: &Conditions, planes: f64, lattice: f64) -> (Vec<DVec3>, f64) {
     let plan = plan(conditions, &[("planes", planes), ("lattice", lattice)]);
-    let device = Device::open(Choice::Any).expect("there is an adapter");
-    let mut gpu = Gpu::counting(&plan, device).expect("the plan fits the device");
-    let rendered = gpu.render(1 << 30, &|_| {}).expect("the device works");
+    let rendered = common::shafts::gpu()
+        .count(&plan, &Limits::memory(1 << 30), &|_| {})
+        .expect("the device works");
     let frame = rendered.frame;
     frame
         .check()
         .expect("every value is finite and not negative");
     let ours = rendered
-        .passes
+        .steps
         .iter()
-        .filter(|p| p.effect == "shafts_planes");
+        .filter(|step| step.effect.method == Some(Method::Planes));
     let reads: u64 = ours.filter_map(|p| p.counted).map(|c| c[0]).sum();
     let found = layer(&frame, Field::InscatterSun);
     let pixels = found.len() as f64;
@@ -57,7 +57,7 @@ fn by_planes(conditions: &Conditions, planes: f64, lattice: f64) -> (Vec<DVec3>,
 
 fn by_reference(conditions: &Conditions) -> Vec<DVec3> {
     let plan = plan(conditions, &[]);
-    let rendered = Reference::new(&plan).render(1 << 30, &|_| {});
+    let rendered = Reference::new(&plan).render(&Limits::memory(1 << 30), &|_| {});
     let frame = rendered.expect("the picture fits into memory").frame;
     layer(&frame, Field::InscatterSun)
 }

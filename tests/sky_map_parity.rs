@@ -3,7 +3,7 @@
 mod common;
 
 use glam::{DVec3, Vec3};
-use tyndall::gpu::{Choice, Device, sky_map};
+use tyndall::backend::gpu::{Choice, Device, sky_map};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{Irradiance, Model, Sky, SunAt, SunLight, SunPath};
 use tyndall::units::DEG;

@@ -1,11 +1,12 @@
 //! Small scenes in code, and pictures of them.
 
 use glam::DVec3;
+use tyndall::backend::Limits;
+use tyndall::backend::reference::Reference;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::effect::Field;
 use tyndall::frame::Frame;
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::reference::Reference;
 use tyndall::scene::{Camera, Scene};
 #[allow(unused_imports)] // not every test needs each
 pub use tyndall::studies::scenes::{cuboid, material, quad, scene};
@@ -34,7 +35,7 @@ pub fn render_at(conditions: &Conditions, quality: Quality) -> Frame {
     };
     let plan = Plan::new(conditions, &overrules).expect("the plan is sound");
     let frame = Reference::new(&plan)
-        .render(1 << 30, &|_| {})
+        .render(&Limits::memory(1 << 30), &|_| {})
         .expect("the picture fits into memory")
         .frame;
     frame

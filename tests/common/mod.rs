@@ -68,7 +68,9 @@ pub fn python(test: &str, script: &str, input: &str) -> Option<String> {
 /// # Panics
 /// Without one when `REQUIRE_GPU=1`, as in CI: there a missing adapter is a failure.
 pub fn gpu(test: &str) -> bool {
-    let found = !tyndall::gpu::adapters::report().adapters.is_empty();
+    let found = !tyndall::backend::gpu::adapters::report()
+        .adapters
+        .is_empty();
     if !found {
         let required = std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1");
         assert!(

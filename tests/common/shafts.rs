@@ -1,12 +1,14 @@
 //! Sunlight in the air alone: by a method on a device, by the reference, and the error between them.
 
 use super::build::layer;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use tyndall::backend::gpu::{Choice, Gpu};
+use tyndall::backend::reference::Reference;
+use tyndall::backend::{Limits, Rendered};
 use tyndall::conditions::Conditions;
 use tyndall::effect::{Field, Method};
 use tyndall::frame::Frame;
-use tyndall::gpu::{Choice, Device, Gpu, Rendered};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::reference::Reference;
 use tyndall::studies::shafts::errors;
 
 /// Knobs and values.
@@ -31,11 +33,18 @@ pub fn plan<'c>(
     Plan::new(conditions, &overrules).expect("the plan is sound")
 }
 
+/// The device that all tests of a process share.
+pub fn gpu() -> MutexGuard<'static, Gpu> {
+    static GPU: OnceLock<Mutex<Gpu>> = OnceLock::new();
+    let open = || Mutex::new(Gpu::open(Choice::Any).expect("there is an adapter"));
+    let lock = GPU.get_or_init(open).lock();
+    lock.unwrap_or_else(PoisonError::into_inner)
+}
+
 /// What a device makes of a plan, all of whose values have been checked.
 pub fn render(plan: &Plan) -> Rendered {
-    let device = Device::open(Choice::Any).expect("there is an adapter");
-    let mut gpu = Gpu::new(plan, device).expect("the plan fits the device");
-    let rendered = gpu.render(1 << 30, &|_| {}).expect("the device works");
+    let rendered = gpu().render(plan, &Limits::memory(1 << 30), &|_| {});
+    let rendered = rendered.expect("the device works");
     rendered
         .frame
         .check()
@@ -45,13 +54,12 @@ pub fn render(plan: &Plan) -> Rendered {
 
 /// What the passes of a plan's method read, by their names: reads of maps, leaves and samples, and nodes of trees.
 pub fn counted(plan: &Plan) -> Vec<(&'static str, [u64; 2])> {
-    let device = Device::open(Choice::Any).expect("there is an adapter");
-    let mut gpu = Gpu::counting(plan, device).expect("the plan fits the device");
-    let rendered = gpu.render(1 << 30, &|_| {}).expect("the device works");
-    let passes = rendered.passes.iter();
-    passes
-        .filter(|pass| pass.effect.starts_with("shafts_"))
-        .filter_map(|pass| Some((pass.pass, pass.counted?)))
+    let rendered = gpu().count(plan, &Limits::memory(1 << 30), &|_| {});
+    let steps = rendered.expect("the device works").steps;
+    steps
+        .iter()
+        .filter(|step| step.effect.method.is_some())
+        .filter_map(|step| Some((step.pass, step.counted?)))
         .collect()
 }
 
@@ -63,7 +71,7 @@ pub fn by_gpu(conditions: &Conditions, method: Method, set: Settings) -> Frame {
 /// The picture by exact shadows.
 pub fn by_reference(conditions: &Conditions, set: Settings) -> Frame {
     let plan = plan(conditions, Method::Rectified, Quality::Preview, set);
-    let rendered = Reference::new(&plan).render(1 << 30, &|_| {});
+    let rendered = Reference::new(&plan).render(&Limits::memory(1 << 30), &|_| {});
     rendered.expect("the picture fits into memory").frame
 }
 

@@ -3,7 +3,7 @@
 use super::beams::{BeamMaps, Slots};
 use super::by_cpu::numbers_pitch;
 use super::device::Device;
-use super::draw::{Draw, dispatch, texture, tile_groups};
+use super::draw::{Draw, dispatch, tile_groups};
 use super::on_device::Kept as KeptOnDevice;
 use super::pipeline::Pipelines;
 use super::prepare::{Compute, Filling, Maker, Stage, Target, Work, is_needed};
@@ -109,7 +109,12 @@ impl<'j> Job<'j> {
         if air.is_empty() {
             air.push(shared::Medium::default());
         }
-        let air = device.filled("the media", &shared::list(&air), BufferUsages::STORAGE)?;
+        let air = store.filled(
+            device,
+            "the media",
+            &shared::list(&air),
+            BufferUsages::STORAGE,
+        )?;
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | copied;
         let counts = match counting {
             true => Some(store.buffer(device, "counts", 8, storage)?),
@@ -128,7 +133,7 @@ impl<'j> Job<'j> {
                 })
                 .collect::<Vec<_>>(),
         });
-        let drawn = |label, format, usage| texture(device, label, tile, 1, format, usage);
+        let mut drawn = |label, format, usage| store.texture(device, label, tile, format, usage);
         let numbers = drawn(
             "numbers",
             TextureFormat::R32Uint,

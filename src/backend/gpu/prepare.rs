@@ -369,8 +369,9 @@ impl<'p> Maker<'_, 'p> {
         let conditions = self.plan.conditions;
         let extent = self.extent(settings);
         let mut bound = Vec::with_capacity(pass.uses.len());
-        for resource in pass.uses {
+        for (binding, resource) in pass.uses.iter().enumerate() {
             let device = self.device;
+            let name = |what| format!("{what} of {}.{}, {binding}", effect.name, pass.entry);
             let buffer = match resource {
                 Resource::Read(field) | Resource::Update(field) => self.field(*field).cloned(),
                 Resource::Each => each.and_then(|field| self.field(field).cloned()),
@@ -398,20 +399,23 @@ impl<'p> Maker<'_, 'p> {
                     })));
                     continue;
                 }
-                Resource::Knobs(knobs) => Some(device.filled(
-                    &format!("the knobs of {}", effect.name),
+                Resource::Knobs(knobs) => Some(self.store.filled(
+                    device,
+                    &name("the knobs"),
                     &knob_bytes(&knobs(conditions, settings)),
                     BufferUsages::UNIFORM,
                 )?),
-                Resource::Table(make) => Some(device.filled(
-                    &format!("the table of {}", effect.name),
+                Resource::Table(make) => Some(self.store.filled(
+                    device,
+                    &name("the table"),
                     bytemuck::cast_slice(&make(conditions, settings)),
                     BufferUsages::STORAGE,
                 )?),
                 Resource::Sky => {
                     let sky = conditions.sky.as_ref();
                     let table = sky.map_or_else(|| vec![0.0], |sky| sky.table());
-                    Some(device.filled(
+                    Some(self.store.filled(
+                        device,
                         "the sky's table",
                         bytemuck::cast_slice(&table),
                         BufferUsages::STORAGE,

@@ -35,7 +35,8 @@ struct HeldProduct {
 /// Fields by their names, products by effect and name.
 #[derive(Default)]
 pub struct Store {
-    buffers: HashMap<&'static str, Held>,
+    buffers: HashMap<String, Held>,
+    textures: HashMap<&'static str, (Texture, bool)>,
     products: HashMap<(&'static str, &'static str), HeldProduct>,
     faces: HashMap<&'static str, (Texture, bool)>,
 }
@@ -58,6 +59,7 @@ impl Store {
     pub fn finish(&mut self) {
         self.buffers.retain(|_, held| held.named);
         self.products.retain(|_, product| product.held.named);
+        self.textures.retain(|_, (_, named)| *named);
         self.faces.retain(|_, (_, named)| *named);
     }
 
@@ -65,7 +67,7 @@ impl Store {
     pub fn buffer(
         &mut self,
         device: &Device,
-        name: &'static str,
+        name: &str,
         bytes: u64,
         usage: BufferUsages,
     ) -> Result<Buffer> {
@@ -82,8 +84,42 @@ impl Store {
             usage,
             named: true,
         };
-        self.buffers.insert(name, held);
+        self.buffers.insert(name.to_owned(), held);
         Ok(buffer)
+    }
+
+    /// A buffer with contents.
+    pub fn filled(
+        &mut self,
+        device: &Device,
+        name: &str,
+        bytes: &[u8],
+        usage: BufferUsages,
+    ) -> Result<Buffer> {
+        let usage = usage | BufferUsages::COPY_DST;
+        let buffer = self.buffer(device, name, bytes.len() as u64, usage)?;
+        device.write(&buffer, bytes);
+        Ok(buffer)
+    }
+
+    /// A texture, the one of that name if it is as large.
+    pub fn texture(
+        &mut self,
+        device: &Device,
+        name: &'static str,
+        size: UVec2,
+        format: TextureFormat,
+        usage: TextureUsages,
+    ) -> Texture {
+        if let Some((texture, named)) = self.textures.get_mut(name)
+            && UVec2::new(texture.width(), texture.height()) == size
+        {
+            *named = true;
+            return texture.clone();
+        }
+        let made = texture(device, name, size, 1, format, usage);
+        self.textures.insert(name, (made.clone(), true));
+        made
     }
 
     /// The buffer of a product.
