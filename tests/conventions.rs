@@ -5,28 +5,30 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use tyndall::backend::gpu;
+use tyndall::conditions::{Conditions, Request};
+use tyndall::effect;
 use wgpu::naga;
 
-/// The modules of the library: each uses only those that stand before it. Modules that share a line do not use each
-/// other.
-const ORDER: [&[&str]; 17] = [
-    &["units"],
-    &["error"],
-    &["warning"],
-    &["colour"],
-    &["ephemeris"],
-    &["sky"],
-    &["photometry"],
-    &["medium"],
-    &["scene"],
-    &["frame"],
-    &["conditions"],
-    &["effect"],
-    &["plan"],
-    &["gpu", "reference"],
-    &["output"],
-    &["accuracy"],
-    &["studies", "timelapse", "daylight"],
+/// The modules of the library: each uses only those that stand before it. The documentation of the crate lists them alike.
+const ORDER: [&str; 17] = [
+    "units",
+    "error",
+    "warning",
+    "beam",
+    "colour",
+    "ephemeris",
+    "sky",
+    "medium",
+    "scene",
+    "frame",
+    "accuracy",
+    "conditions",
+    "effect",
+    "plan",
+    "backend",
+    "output",
+    "studies",
 ];
 
 /// Paths from the root with `/`, and what stands there.
@@ -129,7 +131,7 @@ fn passed_on(root: &str) -> BTreeMap<String, String> {
 
 /// Who uses a module that stands later, or that has no place in the order.
 fn against_the_order(files: &Files) -> Vec<String> {
-    let rank = |module: &str| ORDER.iter().position(|line| line.contains(&module));
+    let rank = |module: &str| ORDER.iter().position(|line| *line == module);
     let names = passed_on(files.get("src/lib.rs").map_or("", String::as_str));
     let mut complaints = Vec::new();
     for (path, text) in files.iter().filter(|(path, _)| *path != "src/lib.rs") {
@@ -170,7 +172,7 @@ fn modules_use_what_stands_before_them() {
             "use crate::{Error, colour::{Xyz, plan}, sky};",
         ),
         (
-            "src/gpu/mod.rs",
+            "src/backend/gpu/mod.rs",
             "use wgpu::crate_like; fn f() { crate::effect::g() }",
         ),
     ];
@@ -183,8 +185,8 @@ fn modules_use_what_stands_before_them() {
         ),
         ("src/sky/perez.rs", "fn f() { let x = crate::scene::g(); }"),
         ("src/effect/shafts.rs", "use crate::Plan;"),
-        ("src/gpu/mod.rs", "use crate::reference::curtain;"),
-        ("src/reference/mod.rs", "use crate::gpu;"),
+        ("src/plan.rs", "use crate::backend::gpu;"),
+        ("src/accuracy/mod.rs", "use crate::plan::Plan;"),
         ("src/helpers.rs", ""),
         ("src/sky/perez.rs", "use crate::helpers;"),
     ] {
@@ -192,10 +194,6 @@ fn modules_use_what_stands_before_them() {
         assert_eq!(complaints.len(), 1, "{bad:?}: {complaints:?}");
     }
 }
-
-/// Folders whose files still import each other in circles.
-// to be emptied
-const CIRCULAR: [&str; 2] = ["cli/src", "src/effect"];
 
 /// What the compiler reads of a file outside its unit tests, which stand at its end.
 fn code_without_tests(text: &str) -> String {
@@ -301,12 +299,7 @@ fn import_cycles(files: &Files) -> Vec<String> {
 fn files_do_not_import_each_other_in_circles() {
     let mut files = texts("src", &[".rs"]);
     files.extend(texts("cli/src", &[".rs"]));
-    let mut complaints = import_cycles(&files);
-    complaints.retain(|complaint| {
-        let folder = complaint.split(':').next().unwrap_or_default();
-        !CIRCULAR.contains(&folder)
-    });
-    assert_eq!(complaints, [""; 0]);
+    assert_eq!(import_cycles(&files), [""; 0]);
 
     let owner = (
         "src/sky/mod.rs",
@@ -348,6 +341,41 @@ fn files_do_not_import_each_other_in_circles() {
     }
 }
 
+/// The modules that the table of the crate's documentation lists, in its order, and those that the crate declares.
+fn documented(lib: &str) -> (Vec<String>, BTreeSet<String>) {
+    let rows = lib.lines().filter(|line| line.starts_with("//! | [`"));
+    let first = rows.filter_map(|row| row.split('|').nth(1));
+    let names = first.flat_map(|cell| cell.split(','));
+    let name = |text: &str| text.trim().trim_matches(['[', ']', '`']).to_owned();
+    let declared = lib.lines().filter_map(|l| l.strip_prefix("pub mod "));
+    (
+        names.map(name).collect(),
+        declared
+            .map(|l| l.trim_end_matches(';').to_owned())
+            .collect(),
+    )
+}
+
+#[test]
+fn the_order_is_documented_and_every_module_is_there() {
+    let files = texts("src", &[".rs"]);
+    let lib = files.get("src/lib.rs").expect("the crate has a root");
+    let (listed, declared) = documented(lib);
+    assert_eq!(listed, ORDER);
+    let order: BTreeSet<String> = ORDER.iter().map(|name| name.to_string()).collect();
+    assert_eq!(declared, order);
+    let docs = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/structure.md"));
+    let docs = docs.expect("the structure has its page");
+    for module in ORDER {
+        assert!(docs.contains(module), "docs/structure.md lacks {module}");
+    }
+
+    let bad = "//! | [`units`], [`error`] | what |\n//! | `x` | y |\npub mod error;\n";
+    let (listed, declared) = documented(bad);
+    assert_eq!(listed, ["units", "error"]);
+    assert_eq!(declared.len(), 1);
+}
+
 /// Who names a crate that belongs to others: `crates` lists each with the places that may.
 fn out_of_place(files: &Files, crates: &[(&str, &[&str])]) -> Vec<String> {
     let mut complaints = Vec::new();
@@ -366,7 +394,7 @@ fn out_of_place(files: &Files, crates: &[(&str, &[&str])]) -> Vec<String> {
 #[test]
 fn crates_stay_in_their_place() {
     let crates: [(&str, &[&str]); 5] = [
-        ("wgpu", &["src/gpu", "tests/"]),
+        ("wgpu", &["src/backend/gpu", "tests/"]),
         ("clap", &["cli/"]),
         ("miette", &["cli/"]),
         ("indicatif", &["cli/"]),
@@ -428,7 +456,7 @@ fn orphans(shaders: &Files, owners: &Files) -> Vec<String> {
     };
     own.map(|path| stem(path))
         .filter(|stem| {
-            ["effect", "gpu"]
+            ["effect", "backend/gpu"]
                 .iter()
                 .all(|folder| !owners.contains_key(&format!("src/{folder}/{stem}.rs")))
         })
@@ -439,7 +467,7 @@ fn orphans(shaders: &Files, owners: &Files) -> Vec<String> {
 #[test]
 fn a_shader_has_its_effect() {
     let mut owners = texts("src/effect", &[".rs"]);
-    owners.extend(texts("src/gpu", &[".rs"]));
+    owners.extend(texts("src/backend/gpu", &[".rs"]));
     assert_eq!(orphans(&texts("shaders", &[".wgsl"]), &owners), [""; 0]);
     let effects = made_up(&[("src/effect/shafts_march.rs", "")]);
     let shaders = made_up(&[
@@ -454,27 +482,19 @@ fn a_shader_has_its_effect() {
     );
 }
 
-/// What is wrong with the shaders, each read after all of `shaders/common`.
+/// What is wrong with shaders, whole texts by their names.
 fn invalid(shaders: &Files) -> Vec<String> {
-    let (common, own): (Vec<_>, Vec<_>) = shaders
-        .iter()
-        .partition(|(path, _)| path.starts_with("shaders/common/"));
-    let common: String = common.into_iter().map(|(_, text)| text.as_str()).collect();
     let mut validator = naga::valid::Validator::new(
         naga::valid::ValidationFlags::all(),
         naga::valid::Capabilities::default(),
     );
     let mut complaints = Vec::new();
-    let all = own
-        .into_iter()
-        .map(|(path, text)| (path.as_str(), text.as_str()));
-    for (path, text) in all.chain([("shaders/common", "")]) {
-        let source = format!("{common}{text}");
-        match naga::front::wgsl::parse_str(&source) {
-            Err(error) => complaints.push(error.emit_to_string_with_path(&source, path)),
+    for (path, source) in shaders {
+        match naga::front::wgsl::parse_str(source) {
+            Err(error) => complaints.push(error.emit_to_string_with_path(source, path)),
             Ok(module) => {
                 if let Err(error) = validator.validate(&module) {
-                    complaints.push(error.emit_to_string_with_path(&source, path));
+                    complaints.push(error.emit_to_string_with_path(source, path));
                 }
             }
         }
@@ -484,20 +504,61 @@ fn invalid(shaders: &Files) -> Vec<String> {
 
 #[test]
 fn shaders_are_valid() {
-    assert_eq!(invalid(&texts("shaders", &[".wgsl"])), [""; 0]);
-    let common = (
-        "shaders/common/a.wgsl",
-        "fn twice(x: f32) -> f32 { return 2.0 * x; }\n",
-    );
+    let scene = tyndall::scene::Scene::builtin("nave").expect("it is built in");
+    let conditions = Conditions::new(scene, &Request::default()).expect("it is sound");
+    let mut shaders = Files::new();
+    for effect in effect::ALL {
+        let values: Vec<_> = effect.knobs.iter().map(|k| (k.name, k.values[1])).collect();
+        let settings = effect::Settings { values: &values };
+        for pass in effect.passes {
+            for counting in [false, true] {
+                let name = format!("{}.{} {counting}", effect.name, pass.entry);
+                let text = gpu::shader_text(effect, pass, &conditions, &settings, counting);
+                assert!(text.contains(pass.entry), "{name}");
+                shaders.insert(name, text);
+            }
+        }
+    }
+    assert!(shaders.len() > 40);
+    assert_eq!(invalid(&shaders), [""; 0]);
+
     let with = |body: &str| {
-        let text = format!("@compute @workgroup_size(1) fn main() {{ {body} }}");
-        invalid(&made_up(&[common, ("shaders/b.wgsl", &text)]))
+        let common = "fn twice(x: f32) -> f32 { return 2.0 * x; }\n";
+        let text = format!("{common}@compute @workgroup_size(1) fn main() {{ {body} }}");
+        invalid(&made_up(&[("b", &text)]))
     };
     assert_eq!(with("let y = twice(1.0);"), [""; 0]);
-    // Not a word of the language; a type that does not fit; parsed, and invalid.
-    for bad in ["let y == 1;", "let y = twice(vec2f(1.0));", "return 1.0;"] {
+    // Not a word of the language; a type that does not fit; parsed, and invalid; a name that is taken.
+    for bad in [
+        "let y == 1;",
+        "let y = twice(vec2f(1.0));",
+        "return 1.0;",
+        "} fn twice() {",
+    ] {
         assert_eq!(with(bad).len(), 1, "{bad}");
     }
+}
+
+/// The declarations of bindings and of constants in shaders, which are printed for them instead: numbers that Rust knows too
+/// stand in Rust alone.
+fn declared_by_hand(shaders: &Files) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for (path, text) in shaders {
+        let lines = text.lines().filter(|line| line.contains("@group(1)"));
+        complaints.extend(lines.map(|line| format!("{path}: {line}")));
+    }
+    complaints
+}
+
+#[test]
+fn bindings_are_printed() {
+    let mut shaders = texts("shaders", &[".wgsl"]);
+    assert_eq!(declared_by_hand(&shaders), [""; 0]);
+    shaders.insert(
+        "shaders/a.wgsl".into(),
+        "@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;".into(),
+    );
+    assert_eq!(declared_by_hand(&shaders).len(), 1);
 }
 
 /// Where a text says what belongs on one machine, or that something is left to do.

@@ -1,8 +1,9 @@
 //! The quality and the method that a picture needs to come below an error, or to stay within a time: measured on this machine.
 
 use super::check::{check, compare};
+use super::interface::Backend;
 use super::reference::{Reference, predict};
-use super::{Backend, Limits, Rendered};
+use super::rendering::{Limits, Rendered};
 use crate::conditions::Conditions;
 use crate::effect::Method;
 use crate::error::{Error, Result};

@@ -6,7 +6,7 @@
 //! the air's where only surfaces or background do.
 
 use super::film::Film;
-use super::{Limits, Progress, Rendered, StepTime};
+use super::rendering::{Limits, Progress, Rendered, StepTime};
 use crate::colour::luminance;
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
 use crate::error::Result;

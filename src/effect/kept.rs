@@ -1,6 +1,6 @@
 //! What effects keep on the CPU: solutions that are found once and serve until what they were made of changes.
 
-use super::Settings;
+use super::settings::Settings;
 use crate::conditions::{Conditions, Input, Snapshot};
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -4,9 +4,10 @@
 //! backend makes what the passes of the plan's running effects name, and nothing for an effect that does not run. An effect
 //! without passes is done on the CPU by its `reference`, under every backend.
 
-use super::{Field, Settings};
+use super::settings::Settings;
 use crate::beam::Beam;
 use crate::conditions::{Conditions, Input};
+use crate::frame::Field;
 
 /// One piece of an effect's work on a GPU.
 pub struct Pass {

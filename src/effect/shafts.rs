@@ -15,43 +15,6 @@ use crate::medium::Scattering;
 use crate::scene::curtain::complement;
 use glam::DVec3;
 
-/// How a GPU integrates sunlight in the air. They differ only in that: inputs, outputs and tests are shared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Method {
-    /// Exact runs in rows around the sun's direction: [`super::shafts_rectified`].
-    Rectified,
-    /// Sparse rays of these rows, and what lies between them: [`super::shafts_epipolar`].
-    Epipolar,
-    /// Prefix sums of filtered rows: [`super::shafts_prefiltered`].
-    Prefiltered,
-    /// Even steps: [`super::shafts_march`].
-    March,
-    /// Virtual planes: [`super::shafts_planes`].
-    Planes,
-}
-
-impl Method {
-    /// All of them.
-    pub const ALL: [Method; 5] = [
-        Method::Rectified,
-        Method::Epipolar,
-        Method::Prefiltered,
-        Method::March,
-        Method::Planes,
-    ];
-
-    /// Its name in flags and reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Method::Rectified => "rectified",
-            Method::Epipolar => "epipolar",
-            Method::Prefiltered => "prefiltered",
-            Method::March => "march",
-            Method::Planes => "planes",
-        }
-    }
-}
-
 /// The knob that all methods have: as many points stand for the sun's disc.
 pub const SUNS: Knob = Knob {
     name: "suns",

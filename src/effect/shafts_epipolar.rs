@@ -17,7 +17,8 @@
 //! light's direction on the picture, c along it. Rays so nearly along the light that one place across it decides for all of the
 //! ray need no samples: their pixels read that place.
 
-use super::shafts::{self, Method, SUNS};
+use super::method::Method;
+use super::shafts::{self, SUNS};
 use super::{
     Effect, Extent, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, rows,
     sun_beams,

@@ -5,7 +5,8 @@
 //! shifted by a share of their own (Jorge Jimenez's interleaved gradient noise), which turns bands into noise of the same
 //! error; with `halvings` the borders that are found are made finer. A thing thinner than a step is seen or missed by chance: the error falls only as 1 / steps.
 
-use super::shafts::{self, Method, SUNS};
+use super::method::Method;
+use super::shafts::{self, SUNS};
 use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, sun_beams};
 
 /// Marching.

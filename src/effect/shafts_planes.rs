@@ -23,7 +23,8 @@
 //! Without shadows the error falls as 1 / planes^2 and 1 / lattice^2. A slab is lit or dark as a whole: with shadows the error falls
 //! as 1 / planes, and whatever is thinner than a slab is seen or missed by chance, on neighbouring rays alike.
 
-use super::shafts::{self, Method, SUNS};
+use super::method::Method;
+use super::shafts::{self, SUNS};
 use super::{
     Effect, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, sun_beams,
 };

@@ -12,7 +12,8 @@
 //! would scatter, integrated in closed form. What is lost is where in its part the light falls: at most
 //! sum_j osc_j (t_j+1 - t_j) F_j (1 - F_j), osc_j the range of the integrand in the part.
 
-use super::shafts::{self, Method, SUNS};
+use super::method::Method;
+use super::shafts::{self, SUNS};
 use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, When, rows, sun_beams};
 
 /// Prefix sums of filtered rows.

@@ -10,7 +10,8 @@
 //! With two rows a pixel their light is blended by the pixel's place between them; a pixel then uses its own end with a
 //! neighbour's heights, which darkens the last cells at silhouettes and on grazing ground. One row is the default.
 
-use super::shafts::{self, Method, SUNS};
+use super::method::Method;
+use super::shafts::{self, SUNS};
 use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows, sun_beams};
 
 /// The main method.

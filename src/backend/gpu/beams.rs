@@ -2,10 +2,10 @@
 
 use super::device::Device;
 use super::draw::{Draw, texture};
-use super::job::Job;
 use super::maps;
 use super::pipeline::{Pipelines, Raster};
 use super::shared;
+use super::timer::Timer;
 use crate::beam::Beam;
 use crate::conditions::Conditions;
 use crate::effect::{Effect, MapSettings};
@@ -140,12 +140,32 @@ impl BeamMaps {
     }
 }
 
-impl Job<'_> {
+/// What maps are drawn with.
+pub struct Drawing<'d> {
+    pub device: &'d Device,
+    pub pipelines: &'d Pipelines,
+    pub common: &'d BindGroup,
+    pub corners: &'d Buffer,
+    /// How many triangles have no holes, and how many there are.
+    pub triangles: [u32; 2],
+    pub timer: &'d mut Timer,
+    /// Under which number it counts.
+    pub number: usize,
+}
+
+impl Slots {
     /// The bind group through which shaders ask a beam and its maps, which are drawn unless they are there.
-    pub(super) fn maps_of(&mut self, number: usize) -> Result<BindGroup> {
-        let maps = self.maps.as_mut().expect("a beam has maps");
+    pub fn maps_of(
+        &mut self,
+        number: usize,
+        maps: &mut BeamMaps,
+        drawing: Drawing<'_>,
+    ) -> Result<BindGroup> {
+        let Drawing {
+            device, pipelines, ..
+        } = drawing;
         let (beam, fitted) = maps.beams[number];
-        let slots = &mut *self.slots;
+        let slots = self;
         // Beams of one disc ask for nearly the same.
         let side = (fitted.side as u32)
             .next_multiple_of(SIDES)
@@ -167,9 +187,9 @@ impl Job<'_> {
         let room = sizes.sum::<u64>() + bytes(side, u64::from(layers)) <= KEPT_MAPS;
         let mut index = kept.or(stale);
         if index.is_none() && (slots.slots.is_empty() || room && !slots.full) {
-            self.device.check()?;
-            let made = maps.slot(self.device, self.pipelines, side, layers);
-            match made.and_then(|slot| self.device.check().map(|()| slot)) {
+            device.check()?;
+            let made = maps.slot(device, pipelines, side, layers);
+            match made.and_then(|slot| device.check().map(|()| slot)) {
                 Ok(slot) => {
                     slots.slots.push(slot);
                     index = Some(slots.slots.len() - 1);
@@ -182,7 +202,7 @@ impl Job<'_> {
         // The last one changes hands: when beams are gone through in turns, the others stay.
         let index = index.unwrap_or(slots.slots.len() - 1);
         if slots.slots[index].side < side || slots.slots[index].views.len() < layers as usize {
-            slots.slots[index] = maps.slot(self.device, self.pipelines, side, layers)?;
+            slots.slots[index] = maps.slot(device, pipelines, side, layers)?;
         }
         let slot = &mut slots.slots[index];
         let uniform = shared::Beam {
@@ -191,7 +211,7 @@ impl Job<'_> {
             strength: beam.strength().as_vec3(),
             ..fitted
         };
-        self.device.write(&slot.uniform, &shared::uniform(&uniform));
+        device.write(&slot.uniform, &shared::uniform(&uniform));
         if slot.drawn != Some(fitted) {
             slot.drawn = Some(fitted);
             for k in 0..fitted.partitions {
@@ -203,16 +223,16 @@ impl Job<'_> {
                 };
                 let draw = Draw {
                     raster: &maps.raster,
-                    groups: &[&self.common, &maps.group, &slot.draw],
-                    corners: &self.corners,
-                    triangles: self.triangles,
+                    groups: &[drawing.common, &maps.group, &slot.draw],
+                    corners: drawing.corners,
+                    triangles: drawing.triangles,
                     color,
                     depth,
                     far: 1.0,
                     instance: k,
                     within,
                 };
-                draw.submit(self.device, &mut self.timer, self.stages.len())?;
+                draw.submit(device, drawing.timer, drawing.number)?;
             }
         }
         Ok(slot.ask.clone())

@@ -1,5 +1,6 @@
 //! What the CPU does of a tile: effects without passes, panoramas, points, and pixels at silhouettes.
 
+use super::draw::numbers_pitch;
 use super::job::{CHUNK, Job, float, pixel_of, surface_word};
 use super::prepare::Work;
 use super::shared;
@@ -242,9 +243,4 @@ impl Job<'_> {
             },
         );
     }
-}
-
-/// Bytes from row to row of numbers that are read back.
-pub(super) fn numbers_pitch(width: u32) -> u32 {
-    (4 * width).next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT)
 }

@@ -1,7 +1,7 @@
 //! A device and its queue: opened with everything that the adapter has, errors turned into ours, bytes counted.
 
 use super::adapters::{self, Adapter};
-use crate::backend::Traffic;
+use crate::backend::rendering::Traffic;
 use crate::error::{Error, Result};
 use glam::Vec4;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -2,7 +2,6 @@
 
 use super::device::Device;
 use super::pipeline::Raster;
-use super::scene::Triangles;
 use super::timer::Timer;
 use crate::error::Result;
 use glam::UVec2;
@@ -69,7 +68,8 @@ pub(super) struct Draw<'r> {
     pub raster: &'r Raster,
     pub groups: &'r [&'r BindGroup],
     pub corners: &'r Buffer,
-    pub triangles: &'r Triangles,
+    /// How many triangles have no holes, and how many there are.
+    pub triangles: [u32; 2],
     pub color: &'r TextureView,
     pub depth: &'r TextureView,
     /// The depth of what is farthest.
@@ -113,8 +113,7 @@ impl Draw<'_> {
             }
             pass.set_scissor_rect(0, 0, self.within.x, self.within.y);
             pass.set_vertex_buffer(0, self.corners.slice(..));
-            let solid = 3 * self.triangles.solid;
-            let all = 3 * self.triangles.numbers.len() as u32;
+            let [solid, all] = self.triangles.map(|count| 3 * count);
             let instances = self.instance..self.instance + 1;
             if solid > 0 {
                 pass.set_pipeline(&self.raster.solid);
@@ -129,4 +128,9 @@ impl Draw<'_> {
         timer.submitted(device)?;
         device.check()
     }
+}
+
+/// Bytes from row to row of numbers that are read back.
+pub(super) fn numbers_pitch(width: u32) -> u32 {
+    (4 * width).next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT)
 }

@@ -1,9 +1,8 @@
 //! One plan at work on a device: tile by tile, sample by sample.
 
-use super::beams::{BeamMaps, Slots};
-use super::by_cpu::numbers_pitch;
+use super::beams::{BeamMaps, Drawing, Slots};
 use super::device::Device;
-use super::draw::{Draw, dispatch, tile_groups};
+use super::draw::{Draw, dispatch, numbers_pitch, tile_groups};
 use super::on_device::Kept as KeptOnDevice;
 use super::pipeline::Pipelines;
 use super::prepare::{Compute, Filling, Maker, Stage, Target, Work, is_needed};
@@ -13,7 +12,7 @@ use super::shared;
 use super::store::Store;
 use super::timer::Timer;
 use crate::backend::film::Film;
-use crate::backend::{Limits, Made, Progress, Rendered, StepTime};
+use crate::backend::rendering::{Limits, Made, Progress, Rendered, StepTime, Traffic};
 use crate::effect::{Field, Fields, Kept, Life, Settings};
 use crate::error::Result;
 use crate::frame::NO_HIT;
@@ -285,7 +284,11 @@ impl<'j> Job<'j> {
                         let found = self.read(&fields)?;
                         self.put(film, corner, extent, &found, share, index == central);
                     }
-                    None => kept.add(&self, corner, extent, share)?,
+                    None => {
+                        let layers = self.fields.iter().filter(|t| t.field.is_layer());
+                        let layers: Vec<&Buffer> = layers.map(|target| &target.buffer).collect();
+                        kept.add(self.device, view.size, &layers, (corner, extent), share)?;
+                    }
                 }
                 done += 1.0;
                 progress(done / work);
@@ -297,7 +300,7 @@ impl<'j> Job<'j> {
         Ok(Rendered {
             frame: film.map(Film::into_frame).unwrap_or_default(),
             steps: self.steps(times.as_deref()),
-            traffic: crate::backend::Traffic {
+            traffic: Traffic {
                 allocated: after.allocated,
                 uploaded: after.uploaded - before.uploaded,
                 downloaded: after.downloaded - before.downloaded,
@@ -481,7 +484,7 @@ impl<'j> Job<'j> {
                         raster,
                         groups: &[&self.common, group],
                         corners: &self.corners,
-                        triangles: self.triangles,
+                        triangles: self.triangles.counts(),
                         color: view,
                         depth: &faces.depth,
                         far: 1.0,
@@ -541,7 +544,7 @@ impl<'j> Job<'j> {
                     raster,
                     groups: &[&self.common, group],
                     corners: &self.corners,
-                    triangles: self.triangles,
+                    triangles: self.triangles.counts(),
                     color: &view,
                     depth: &self.depth,
                     far: 0.0,
@@ -572,7 +575,17 @@ impl<'j> Job<'j> {
             if asking.is_empty() {
                 continue;
             }
-            let ask = self.maps_of(beam)?;
+            let Some(maps) = &mut self.maps else { continue };
+            let drawing = Drawing {
+                device: self.device,
+                pipelines: self.pipelines,
+                common: &self.common,
+                corners: &self.corners,
+                triangles: self.triangles.counts(),
+                timer: &mut self.timer,
+                number: self.stages.len(),
+            };
+            let ask = self.slots.maps_of(beam, maps, drawing)?;
             let zeroed: Vec<Buffer> = self.store.zeroed(Life::Beam).cloned().collect();
             self.clear(&zeroed);
             for index in asking {

@@ -38,7 +38,7 @@ pub use device::{Choice, Device};
 pub use on_device::OnDevice;
 pub use source::shader_text;
 
-use super::{Limits, Progress, Rendered};
+use super::rendering::{Limits, Progress, Rendered};
 use crate::effect::Kept;
 use crate::error::{Error, Result};
 use crate::plan::Plan;
@@ -109,7 +109,7 @@ impl Gpu {
         )
     }
 
-    /// The same with shaders that count what they read ([`super::StepTime::counted`]); times of such a rendering mean nothing. Takes
+    /// The same with shaders that count what they read ([`crate::backend::StepTime::counted`]); times of such a rendering mean nothing. Takes
     /// one storage buffer more than every device has.
     ///
     /// # Errors

@@ -2,8 +2,6 @@
 
 use super::device::Device;
 use super::draw::tile_groups;
-use super::job::Job;
-use crate::effect::Field;
 use crate::error::Result;
 use glam::UVec2;
 use wgpu::*;
@@ -89,10 +87,15 @@ impl Kept {
         Ok(self.pipeline.insert((pipeline, place)).clone())
     }
 
-    /// Adds a share of the layers of a tile.
-    pub fn add(&mut self, job: &Job, corner: UVec2, extent: UVec2, share: f32) -> Result<()> {
-        let device = job.device;
-        let [width, height] = job.plan.conditions.view.size;
+    /// Adds a share of the layers of a tile, which lies at a pixel and has an extent, to a picture of that size.
+    pub fn add(
+        &mut self,
+        device: &Device,
+        [width, height]: [u32; 2],
+        layers: &[&Buffer],
+        (corner, extent): (UVec2, UVec2),
+        share: f32,
+    ) -> Result<()> {
         if self.picture.is_none() {
             let bytes = 16 * u64::from(width) * u64::from(height);
             let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
@@ -116,10 +119,8 @@ impl Kept {
         let Some(picture) = &self.picture else {
             return Ok(());
         };
-        let layers = job.fields.iter().filter(|t| t.field.is_layer());
-        debug_assert!(job.fields.iter().any(|t| t.field == Field::Surface));
-        for target in layers {
-            let buffers = [&place, &target.buffer, &picture.buffer];
+        for layer in layers {
+            let buffers = [&place, *layer, &picture.buffer];
             let entries: Vec<BindGroupEntry> = buffers
                 .into_iter()
                 .zip(0..)

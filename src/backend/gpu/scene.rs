@@ -67,6 +67,11 @@ impl Triangles {
         }
     }
 
+    /// How many have no holes, and how many there are.
+    pub fn counts(&self) -> [u32; 2] {
+        [self.solid, self.numbers.len() as u32]
+    }
+
     /// The number in the picture of the triangle that a ray meets first, from 1; 0 for none.
     pub fn number_met(&self, geometry: &Geometry, ray: &Ray) -> u32 {
         let hit = geometry.closest(ray, 0.0, f64::INFINITY);

@@ -7,7 +7,7 @@ use super::device::Device;
 use super::shared;
 use super::source;
 use super::timer::Timer;
-use crate::backend::Traffic;
+use crate::backend::rendering::Traffic;
 use crate::error::Result;
 use crate::sky::Sky;
 use crate::sky::map::{Map, Projection};

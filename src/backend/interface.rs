@@ -1,0 +1,130 @@
+//! One interface to both backends.
+
+use super::gpu::{Choice, Gpu, OnDevice, adapters};
+use super::reference::Reference;
+use super::rendering::{Limits, Progress, Rendered};
+use crate::conditions::Conditions;
+use crate::effect::Kept;
+use crate::error::{Error, Result};
+use crate::plan::{Overrules, Plan};
+
+/// Which backend is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Wanted {
+    /// A hardware adapter, else the reference.
+    #[default]
+    Auto,
+    /// A graphics adapter, of software if there is no other.
+    Gpu,
+    /// The reference.
+    Reference,
+}
+
+/// What computes.
+pub enum Backend {
+    /// A device.
+    Gpu(Box<Gpu>),
+    /// The CPU, with what effects keep there.
+    Reference(Kept),
+}
+
+impl Backend {
+    /// Opens what is wanted.
+    ///
+    /// # Errors
+    /// Those of [`crate::backend::gpu::Device::open`] when a GPU is wanted.
+    pub fn open(wanted: Wanted) -> Result<Self> {
+        let choice = match wanted {
+            Wanted::Reference => return Ok(Backend::Reference(Kept::default())),
+            Wanted::Auto if adapters::automatic(&adapters::report()).is_none() => {
+                return Ok(Backend::Reference(Kept::default()));
+            }
+            Wanted::Auto => Choice::Hardware,
+            Wanted::Gpu => Choice::Any,
+        };
+        Ok(Backend::Gpu(Box::new(Gpu::open(choice)?)))
+    }
+
+    /// In words.
+    pub fn describe(&self) -> String {
+        match self {
+            Backend::Gpu(gpu) => {
+                let adapter = &gpu.device().adapter;
+                format!(
+                    "gpu ({}, {}, {})",
+                    adapter.name,
+                    adapter.kind.words(),
+                    adapter.backend
+                )
+            }
+            Backend::Reference(_) => {
+                format!(
+                    "reference (CPU, f64, {} threads)",
+                    rayon::current_num_threads()
+                )
+            }
+        }
+    }
+
+    /// Renders a plan.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::render`] and [`Reference::render`].
+    pub fn render(&mut self, plan: &Plan, limits: &Limits, progress: Progress) -> Result<Rendered> {
+        match self {
+            Backend::Gpu(gpu) => gpu.render(plan, limits, progress),
+            Backend::Reference(kept) => {
+                let mut rendered = Reference::keeping(plan, kept).render(limits, progress)?;
+                rendered.made.products = kept.take_made();
+                Ok(rendered)
+            }
+        }
+    }
+
+    /// Renders many moments or views one after the other; `each` is given every one's number, plan and picture, and says whether
+    /// to go on. `progress` is that of the picture at hand.
+    ///
+    /// # Errors
+    /// Those of the conditions, of [`Plan::new`], of [`Backend::render`], and of `each`; what was rendered before is with `each`
+    /// already.
+    pub fn render_all(
+        &mut self,
+        moments: impl IntoIterator<Item = Result<Conditions>>,
+        overrules: &Overrules,
+        limits: &Limits,
+        progress: Progress,
+        mut each: impl FnMut(usize, &Plan, Rendered) -> Result<std::ops::ControlFlow<()>>,
+    ) -> Result<()> {
+        for (number, conditions) in moments.into_iter().enumerate() {
+            let conditions = conditions?;
+            let plan = Plan::new(&conditions, overrules)?;
+            let rendered = self.render(&plan, limits, progress)?;
+            if each(number, &plan, rendered)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders a plan and leaves the picture where it is shown.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::render_on_device`]; [`Error::Failed`] without a device.
+    pub fn render_on_device(&mut self, plan: &Plan, limits: &Limits) -> Result<OnDevice> {
+        match self {
+            Backend::Gpu(gpu) => gpu.render_on_device(plan, limits),
+            Backend::Reference(_) => Err(Error::failed(
+                "the reference has no device on which a picture could stay",
+                "open the backend `gpu`, or take the frame",
+            )),
+        }
+    }
+
+    /// Drops all results that are kept, so that the next picture starts afresh.
+    pub fn forget(&mut self) {
+        match self {
+            Backend::Gpu(gpu) => gpu.forget(),
+            Backend::Reference(kept) => kept.forget(),
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! What a rendering may take and what it gives.
+
+use crate::effect::Effect;
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Called with the share of the work that is done, 0 to 1.
+pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
+
+/// What a rendering may take.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits<'a> {
+    /// The most that the finished frame may hold [bytes].
+    pub memory: u64,
+    /// Set by whoever wants the rendering to stop: it ends within a tile or a band of rows with [`Error::Stopped`].
+    pub stop: Option<&'a AtomicBool>,
+}
+
+impl Limits<'_> {
+    /// A frame of at most so many bytes.
+    pub fn memory(bytes: u64) -> Self {
+        Limits {
+            memory: bytes,
+            stop: None,
+        }
+    }
+
+    /// Whether to go on.
+    pub(super) fn check(&self) -> Result<()> {
+        match self.stop {
+            Some(stop) if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Default for Limits<'_> {
+    /// Frames of at most 8 GiB.
+    fn default() -> Self {
+        Limits::memory(8 << 30)
+    }
+}
+
+/// A finished rendering.
+#[derive(Debug, Clone, Default)]
+pub struct Rendered {
+    /// The picture.
+    pub frame: Frame,
+    /// What ran, in order.
+    pub steps: Vec<StepTime>,
+    /// Bytes allocated on a device so far, and moved for this picture.
+    pub traffic: Traffic,
+    /// Pixels that were resampled with more rays.
+    pub refined: usize,
+    /// What had to be made for this picture and is kept.
+    pub made: Made,
+    /// From the first ray to the last.
+    pub elapsed: Duration,
+}
+
+/// A part of the work.
+#[derive(Clone)]
+pub struct StepTime {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// The pass's entry point, or `reference` for what the CPU did.
+    pub pass: &'static str,
+    /// Whether the CPU did it.
+    pub on_cpu: bool,
+    /// How often it ran.
+    pub runs: u32,
+    /// Reads of shadow maps and leaves, and of nodes of trees, when they were counted ([`crate::backend::gpu::Gpu::count`]).
+    pub counted: Option<[u64; 2]>,
+    /// Its time: summed over cores under [`crate::backend::Backend::Reference`]; else the device's own clock, or the CPU's wall clock for what that
+    /// did, a software adapter too. `None` when the device has no clock.
+    pub time: Option<Duration>,
+}
+
+impl std::fmt::Debug for StepTime {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = format!("{}.{}", self.effect.name, self.pass);
+        let told = (self.on_cpu, self.runs, self.counted, self.time);
+        f.debug_tuple(&name).field(&told).finish()
+    }
+}
+
+/// Bytes that were allocated and moved.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// In buffers and textures on the device.
+    pub allocated: u64,
+    /// To the device.
+    pub uploaded: u64,
+    /// From the device.
+    pub downloaded: u64,
+}
+
+/// What had to be made for a picture and is kept for those that follow.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Made {
+    /// Pipelines that were compiled.
+    pub pipelines: usize,
+    /// Whether the scene came onto the device.
+    pub scene: bool,
+    /// Shadow maps that were drawn.
+    pub maps: u32,
+    /// Results of effects, by name.
+    pub products: Vec<&'static str>,
+}

@@ -1,0 +1,25 @@
+//! The list of effects.
+
+use super::definition::Effect;
+use super::{
+    air_shadow, compose, shadow, shafts_epipolar, shafts_march, shafts_planes, shafts_prefiltered,
+    shafts_rectified, sky_dome, sun_disc, surface_sky, surface_sun, transmittance, visibility,
+};
+
+/// Every effect, in the order in which they run: each after those whose fields it reads.
+pub const ALL: &[&Effect] = &[
+    &visibility::VISIBILITY,
+    &transmittance::TRANSMITTANCE,
+    &sky_dome::SKY_DOME,
+    &sun_disc::SUN_DISC,
+    &shadow::SHADOW,
+    &surface_sun::SURFACE_SUN,
+    &surface_sky::SURFACE_SKY,
+    &shafts_rectified::SHAFTS_RECTIFIED,
+    &shafts_epipolar::SHAFTS_EPIPOLAR,
+    &shafts_prefiltered::SHAFTS_PREFILTERED,
+    &shafts_march::SHAFTS_MARCH,
+    &shafts_planes::SHAFTS_PLANES,
+    &air_shadow::AIR_SHADOW,
+    &compose::COMPOSE,
+];
