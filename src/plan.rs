@@ -4,7 +4,9 @@
 //! refused, and so is one whose passes do not name what it says that it reads and writes.
 
 use crate::conditions::Conditions;
-use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Over, Resource, When};
+use crate::effect::{
+    ALL, Contribution, Decision, Effect, Field, Life, Method, Over, Resource, When,
+};
 use crate::error::{Error, Result, nearest};
 use crate::frame::Part;
 use glam::DVec2;
@@ -321,6 +323,20 @@ fn check_flow(effect: &Effect, before: &[&'static Effect]) -> Result<()> {
     for pass in effect.passes {
         if let Over::Fields(fields) = pass.over {
             updated.extend(fields);
+        }
+        let kept = matches!(pass.when, When::Once | When::Until(_));
+        let of_tile = pass.uses.iter().find_map(|resource| match resource {
+            Resource::Read(field) | Resource::Update(field) => Some(field.name()),
+            Resource::Use(product) | Resource::Make(product) => {
+                (product.life() != Life::Kept).then_some(product.name)
+            }
+            Resource::Numbers => Some("numbers"),
+            _ => None,
+        });
+        if let (true, Some(name)) = (kept, of_tile) {
+            return defect(format!(
+                "fills what is kept from a field of a tile, `{name}`: there is no tile yet"
+            ));
         }
         for resource in pass.uses {
             match resource {

@@ -602,7 +602,7 @@ fn brute(@builtin(global_invocation_id) id: vec3u) {
     let row = u32(clamp((slice.row - rows.first) / rows.step, 0.0, f32(rows.count - 1u)));
     let by_tree = scattered_in_row(origin, direction, slice, span, rows, row, 0u);
     let crossing = crossing_of(rows, slice, span.shaded);
-    begin_runs(origin, direction, span.air);
+    begin_runs(origin, direction, span.air, span.sources);
     var column = crossing.first;
     while column < crossing.last {
         while column < crossing.last && !is_full() {

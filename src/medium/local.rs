@@ -1,7 +1,7 @@
 //! Light of a local beam scattered once toward the eye along one ray.
 //!
 //! L = I integral of sum_i sigma_s,i(t) p_i(mu(t)) e^-(tau_eye + tau_beam) / d(t)^2 dt over the lit part of the ray, d the distance
-//! to where the light comes from. With h its distance from the ray, t_0 its foot on it and t = t_0 + h tan(theta),
+//! to where the light comes from, at least the beam's radius. With h its distance from the ray, t_0 its foot on it and t = t_0 + h tan(theta),
 //! dt / d^2 = d theta / h: in theta there is no peak however near the light is (Nishita, Miyawaki & Nakamae 1987; Pegoraro & Parker
 //! 2009). Between the faces of media the integrand is smooth; Gauss-Legendre quadrature on parts that are halved until they agree.
 
@@ -15,6 +15,15 @@ const TOLERANCE: f64 = 1e-9;
 /// A part is halved at most so often.
 const HALVINGS: u32 = 24;
 
+/// Where a ray enters and leaves the sphere around the light inside of which it gets no brighter, if it does.
+fn within(foot: f64, aside: f64, radius: f64) -> Vec<f64> {
+    let square = radius * radius - aside * aside;
+    match square > 0.0 {
+        true => vec![foot - square.sqrt(), foot + square.sqrt()],
+        false => Vec::new(),
+    }
+}
+
 /// A ray under a local beam.
 #[derive(Debug, Clone)]
 pub(super) struct LocalScattering {
@@ -22,7 +31,8 @@ pub(super) struct LocalScattering {
     origin: DVec3,
     direction: DVec3,
     position: DVec3,
-    /// Distance along the ray of the foot of `position`, and how far that is from the ray [m].
+    radius: f64,
+    /// Distance along the ray of the foot of `position`, and about how far that is from the ray [m].
     foot: f64,
     aside: f64,
     /// Where the ray enters or leaves a medium [m].
@@ -48,6 +58,7 @@ impl LocalScattering {
                 let (enter, leave) = region.chord(origin, direction);
                 [enter, leave]
             })
+            .chain(within(foot, aside, radius))
             .filter(|t| (0.0..=distance).contains(t))
             .collect();
         borders.sort_unstable_by(f64::total_cmp);
@@ -57,7 +68,8 @@ impl LocalScattering {
             direction,
             position,
             foot,
-            // Light that a ray goes through comes from a cell of some size; from a point it would be without bounds.
+            radius,
+            // On a ray through the light there is no angle.
             aside: aside.max(radius).max(1e-9 * (1.0 + foot.abs())),
             borders,
         }
@@ -82,7 +94,8 @@ impl LocalScattering {
         let middle = 0.5 * (from + to);
         let value = |theta: f64| {
             let t = (self.foot + self.aside * theta.tan()).clamp(from, to);
-            self.scattered(t, middle) / self.aside
+            let rate = self.aside + (t - self.foot).powi(2) / self.aside;
+            rate * self.scattered(t, middle)
         };
         let whole = |a: f64, b: f64| gauss(a, b, &value);
         let mut sum = DVec3::ZERO;
@@ -104,11 +117,14 @@ impl LocalScattering {
         sum
     }
 
-    /// What the media send from a place of the ray, in a part of the ray whose middle says which of them are there [1/(m sr)].
+    /// What the media send from a place of the ray for a luminous intensity of 1, in a part of the ray whose middle says which of
+    /// them are there [1/(m3 sr)]. Nearer to the light than its radius they get no more than there, as
+    /// [`crate::beam::Beam::illuminance_at`] has it.
     fn scattered(&self, t: f64, middle: f64) -> DVec3 {
         let point = self.origin + t * self.direction;
         let way = self.position - point;
         let distance = way.length();
+        let square = way.length_squared().max(self.radius * self.radius);
         let toward = way.try_normalize().unwrap_or(DVec3::Y);
         let one_minus_mu = 0.5 * (self.direction - toward).length_squared();
         let among = self.origin + middle * self.direction;
@@ -124,7 +140,7 @@ impl LocalScattering {
             .sum();
         let depth = self.air.optical_depth(self.origin, self.direction, t)
             + self.air.optical_depth(point, toward, distance);
-        source * (-depth).exp()
+        source * (-depth).exp() / square.max(f64::MIN_POSITIVE)
     }
 
     /// Of a medium at a point [1], relative to where its coefficients are those given.
