@@ -57,7 +57,7 @@ impl LocalScattering {
             direction,
             position,
             foot,
-            // Light that a ray goes through comes from a cell of some size; from a point it would be without bounds.
+            // Light that a ray goes through comes from a cell of some size; from a point it would be unbounded.
             aside: aside.max(radius).max(1e-9 * (1.0 + foot.abs())),
             borders,
         }
