@@ -11,7 +11,7 @@
 //! little about the ray. What could only darken points that are dark already is skipped, and what may darken most is
 //! visited first.
 //!
-//! Light from a place near by reaches the ray along a fan instead: see [`super::fan`].
+//! Light from a place near by reaches the ray along a fan instead: see the module `fan`.
 
 use super::Ray;
 use super::geometry::{CutOut, Geometry, Node};
