@@ -49,7 +49,7 @@ fn the_clear_air_over_a_site_has_the_suns_own_depths() {
     let outside = outside_the_atmosphere(1.0);
     assert!((128e3..134.5e3).contains(&luminance(outside)));
 
-    // Above all air the sun is what it is outside the atmosphere, but for ozone and vapour, and never brighter; at any height
+    // Above all air the sun is what it is outside the atmosphere, except for ozone and vapour, and never brighter; at any height
     // of the sun that is finite.
     for turbidity in [1.0, 2.0, 3.0, 6.0, 20.0] {
         let mut last = f64::INFINITY;

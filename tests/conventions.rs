@@ -1,4 +1,4 @@
-//! The shape of the project: which module may use which, what belongs together, what stands in no file.
+//! The shape of the project: which module may use which, what belongs together, what no file may contain.
 //!
 //! Every check is a function from texts to complaints, and is shown something bad beside what there is.
 
@@ -10,7 +10,7 @@ use tyndall::conditions::{Conditions, Request};
 use tyndall::effect;
 use wgpu::naga;
 
-/// The modules of the library: each uses only those that stand before it. The documentation of the crate lists them alike.
+/// The modules of the library: each uses only those before it. The documentation of the crate lists them in the same order.
 const ORDER: [&str; 17] = [
     "units",
     "error",
@@ -240,7 +240,7 @@ fn imports(folder: &str, files: &Files) -> BTreeMap<String, BTreeSet<String>> {
             continue;
         };
         let below = &path[folder.len() + 1..];
-        // A file of a subfolder says `super` once more, but for the one that owns the subfolder.
+        // A file of a subfolder says `super` once more, except for the one that owns the subfolder.
         let depth = below.matches('/').count() + usize::from(!below.ends_with("/mod.rs"));
         let root = folder.split_once("src").map_or("", |(_, rest)| rest);
         let absolute = format!("crate{}::", root.replace('/', "::"));

@@ -129,7 +129,7 @@ fn compare(scene: &Scene, rays: usize, seed: u64) -> usize {
             .closest(&ray, 0.0, f64::INFINITY)
             .map_or(2.0 * geometry.extent(), |hit| hit.distance);
         let mut sun = random.direction();
-        // Some along the ray, some against it, some within a hair of it.
+        // Some along the ray, some against it, some almost parallel to it.
         match i % 16 {
             0 => sun = ray.direction,
             1 => sun = -ray.direction,

@@ -118,7 +118,7 @@ fn disagreements(found: &Frame, truth: &Frame) -> Vec<String> {
     for i in other_face {
         away[i] = false;
     }
-    // All layers of the list: one that an effect adds later is compared without a word here.
+    // All layers of the list: one that an effect adds later is compared without a change here.
     for field in Field::layers() {
         let error = match field {
             Field::InscatterSun => rmse(found, truth, field, |_| true),
@@ -127,7 +127,7 @@ fn disagreements(found: &Frame, truth: &Frame) -> Vec<String> {
         if error > 0.0 {
             eprintln!("  {:<14}{error:.2e}", field.name());
         }
-        // Not a number is no agreement.
+        // NaN is no agreement.
         if error.is_nan() || error > allowed(field) {
             complaints.push(format!("{}: {error:.2e}", field.name()));
         }

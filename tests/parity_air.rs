@@ -1,4 +1,4 @@
-//! The clear air: the GPU against the reference, and both against what must come out.
+//! The clear air: the GPU against the reference, and both against what is known.
 
 mod common;
 

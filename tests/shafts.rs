@@ -48,7 +48,7 @@ fn interiors(test: &str) -> Vec<(String, Conditions)> {
     vec![of("gazebo/gazebo.obj", [140.0, 30.0])]
 }
 
-/// The scenes in which errors are measured, those by others where they are at hand.
+/// The scenes in which errors are measured, those by others where they are available.
 fn scenes(test: &str) -> Vec<(String, Conditions)> {
     let made = [
         slit(),

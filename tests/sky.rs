@@ -615,7 +615,7 @@ fn patches_fill_the_dome_and_sum_to_its_illuminance() {
                 (sum / own - DVec3::ONE).abs().max_element() < 1e-3,
                 "{subdivision:?} {model:?}"
             );
-            // The common factor is no crutch: 5 728 triangles do without, 145 patches err by some per cent.
+            // The common factor hides little: 5 728 triangles need none, 145 patches are off by some per cent.
             let raw = raw_share(&sky, &patches);
             let allowed = if count == 5728 { 1e-3 } else { 0.06 };
             assert!(

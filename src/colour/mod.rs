@@ -53,7 +53,7 @@ pub fn xyy_from_xyz(xyz: DVec3) -> DVec3 {
     DVec3::new(xyz.x / sum, xyz.y / sum, xyz.y)
 }
 
-/// The nearest triple without negative channels toward the grey of the same luminance: hue and luminance stay, saturation gives.
+/// The nearest triple without negative channels toward the grey of the same luminance: hue and luminance stay, saturation is reduced.
 ///
 /// Light is never negative, but light purer than the primaries of Rec. 2020 (a sun deep in haze) has a negative channel
 /// there. Triples inside the gamut are returned as they are; one of luminance <= 0 becomes black.
@@ -67,7 +67,7 @@ pub fn into_gamut(rgb: DVec3) -> DVec3 {
     if grey <= 0.0 {
         return DVec3::ZERO;
     }
-    // The channel that is least ends at exactly zero; max() takes away what rounding leaves.
+    // The channel that is least ends at exactly zero; max() removes what rounding leaves.
     DVec3::splat(grey)
         .lerp(rgb, grey / (grey - least))
         .max(DVec3::ZERO)

@@ -1,6 +1,6 @@
-//! Many positions for the price of few: the geocentric place, tabulated and interpolated.
+//! Many positions at the cost of a few: the geocentric place, tabulated and interpolated.
 //!
-//! What costs in a position is the geocentric place, and that is smooth: the fastest thing in it is the nutation, with
+//! Most of the cost of a position is the geocentric place, which is smooth: its fastest component is the nutation, with
 //! periods of 5.6, 9.1, 13.7 days and amplitudes of 0.001, 0.04 and 0.23 arcseconds. Between places `h` days apart the
 //! polynomial through the eight nearest misses a wave of period P by at most its amplitude times
 //! 1.07e-3 (2 pi h / P)^8 (the remainder of Lagrange's interpolation in the middle of the table: (0.5 * 1.5 * 2.5 * 3.5)^2 h^8 / 8!).
@@ -28,7 +28,7 @@ type Columns = [f64; 4];
 /// The sun's geocentric place over a span of time, for positions at any site in it.
 ///
 /// Agrees with [`super::sun_position`] within 0.01 arcseconds. It costs a place for each two days, and then about a fifth
-/// of a microsecond a position: worth it from a few positions a day on. Tier `day` is cheap already and not tabulated.
+/// of a microsecond a position: worth it from a few positions a day on. Tier `day` is cheap and not tabulated.
 #[derive(Clone, Debug)]
 pub struct Almanac {
     tier: Tier,
@@ -69,7 +69,7 @@ impl Almanac {
         }
     }
 
-    /// The sun's position, as [`super::sun_position`] gives it; outside the span by that very function.
+    /// The sun's position, as [`super::sun_position`] gives it; outside the span by that function itself.
     pub fn sun_position(&self, instant: &Instant, site: &Site, weather: &Weather) -> SunPosition {
         let (place, equation_of_time) = match self.place(instant) {
             Some(place) => (place, place.equation_of_time()),

@@ -1,6 +1,6 @@
 //! From what a person writes to an instant: the one place where clocks, zones and calendars are read.
 //!
-//! Nothing is guessed in silence: a [`Moment`] says where its offset came from, a time that a clock change skips or
+//! Nothing is guessed silently: a [`Moment`] says where its offset came from, a time that a clock change skips or
 //! repeats is an error that names both readings, and so is an offset that contradicts its zone.
 //!
 //! Zones come from the IANA database that is compiled in, not from the machine's: a picture is the same everywhere.
@@ -132,7 +132,7 @@ impl Zone {
             .map(|name| Zone::named(name))
             .collect::<Result<Vec<_>>>()?;
         let Some(first) = zones.first() else {
-            // The map covers the sea too; a hole in it is no reason to stop.
+            // The map covers the sea too; a hole in it is no error.
             let hours = (site.longitude_deg() / 15.0).round() as i32;
             let mut zone = Zone::fixed(hours * 3600)?;
             zone.source = "nautical zone of the longitude".into();
@@ -268,7 +268,7 @@ impl Zone {
     }
 }
 
-/// What a user's text means: an instant, and how it came about.
+/// What a user's text means: an instant, and how it was derived.
 #[derive(Clone, Debug)]
 pub struct Moment {
     /// The instant, for the ephemeris.
@@ -283,7 +283,7 @@ pub struct Moment {
     pub offset_source: String,
     /// The time zone database, where one was asked.
     pub tz_database: Option<String>,
-    /// What looks odd and is taken as written, say an offset far from the longitude's.
+    /// What looks wrong and is taken as written, say an offset far from the longitude's.
     pub warnings: Vec<Warning>,
     /// The clock by which the site's dates are counted.
     pub clock: Zone,
@@ -415,7 +415,7 @@ pub fn resolve_with(text: &str, reading: &Reading) -> Result<Moment> {
     }
 }
 
-/// The instant alone of a text, as [`resolve_with`] reads it: for many rows, whose local clocks nobody asks for.
+/// Only the instant of a text, as [`resolve_with`] reads it: for many rows whose local clocks are not needed.
 ///
 /// # Errors
 /// As [`resolve`]; but a known instant never fails for its zone.
@@ -439,7 +439,7 @@ pub fn zone_for(zone: Option<&str>, site: &Site, date: NaiveDate) -> Result<Zone
     }
 }
 
-/// Puts a moment together and looks at whether it is plausible.
+/// Assembles a moment and checks whether it is plausible.
 fn finish(instant: Instant, utc: DateTime<Utc>, clock: Zone, reading: &Reading) -> Result<Moment> {
     let offset_seconds = clock.offset_seconds(utc);
     let mut warnings = Vec::new();

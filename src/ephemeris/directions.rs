@@ -1,7 +1,7 @@
 //! The sun's direction at equally spaced instants and nothing more: a column for each angle.
 //!
-//! A [`SunPosition`](super::SunPosition) at a time has eleven values and its own [`Instant`]; who wants the direction
-//! of a year of minutes wants three columns. Here the instants are taken in blocks, and each step of the way is a loop
+//! A [`SunPosition`](super::SunPosition) at a time has eleven values and its own [`Instant`]; the directions
+//! of a year of minutes need three columns. Here the instants are taken in blocks, and each step of the way is a loop
 //! over a block without a branch or a call, which compilers turn into vector instructions.
 
 use super::almanac::Almanac;
@@ -50,7 +50,7 @@ impl Directions {
             elevation_apparent: Vec::with_capacity(count),
         };
         let times = Times::new(first, last, count);
-        // `day` counts civil days, which is no loop without branches; an almanac pays from four instants in two days on.
+        // `day` counts civil days, which is no loop without branches; an almanac is cheaper from four instants in two days on.
         let tabulated = tier != Tier::Day && times.step_tt.abs() <= 0.5 && count > 24;
         if !tabulated {
             for i in 0..count {

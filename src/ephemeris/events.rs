@@ -104,7 +104,7 @@ pub struct DayEvents {
     pub golden: Crossings,
     /// Passages of -4 degrees: the golden hour's dark end, the blue hour's bright one.
     pub blue: Crossings,
-    /// Upper transits of the meridian: solar noon. One, but for clocks far from the sun's: none or two.
+    /// Upper transits of the meridian: solar noon. One, except by clocks far from the sun's: none or two.
     pub noon: Vec<Instant>,
     /// Lower transits: solar midnight. Mostly one.
     pub midnight: Vec<Instant>,

@@ -27,7 +27,7 @@ impl Julian {
         let midnight = floor(jd - 0.5) + 0.5;
         let rest = (jd - midnight) + fraction;
         let carry = floor(rest);
-        // 1 - 1e-17 rounds to 1: the carry is looked at again.
+        // 1 - 1e-17 rounds to 1: the carry is checked again.
         let fraction = rest - carry;
         if fraction < 1.0 {
             Self {

@@ -1,9 +1,9 @@
 //! Where the sun is: four algorithms, one time, one way to an observer.
 //!
 //! An [`Instant`] holds universal time, which turns the earth, and terrestrial time, which moves the sun; a [`Site`]
-//! holds the place; [`Weather`] says how strongly the air bends the light. [`sun_position`] puts them together at a price,
-//! the [`Tier`]. [`Almanac`] does the same for many instants, [`DayEvents`] finds rise, set, noon and twilights, and
-//! [`civil`] reads what people write for a time.
+//! holds the place; [`Weather`] says how strongly the air bends the light. [`sun_position`] combines them, as exactly as
+//! the [`Tier`] asks for. [`Almanac`] does the same for many instants, [`DayEvents`] finds rise, set, noon and twilights, and
+//! [`civil`] reads times as people write them.
 //!
 //! Angles are in radians. Azimuth is from north through east. Elevation is given twice: true, along the straight line,
 //! and apparent, with the air's refraction.

@@ -79,7 +79,7 @@ impl Place {
 /// An angle [rad] wrapped into [0, 2 pi).
 pub(super) fn full_turn(angle: f64) -> f64 {
     let wrapped = angle - TAU * floor(angle * TURN);
-    // Rounding may leave it a hair outside.
+    // Rounding may leave it slightly outside.
     if (0.0..TAU).contains(&wrapped) {
         wrapped
     } else {

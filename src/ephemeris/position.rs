@@ -82,7 +82,7 @@ impl SunPosition {
 
 /// The sun's position at an instant for an observer.
 ///
-/// Topocentric in every tier but `day`, which knows nothing so fine: the observer stands on WGS84, 8.8 arcseconds of
+/// Topocentric in every tier but `day`, which is not that accurate: the observer stands on WGS84, 8.8 arcseconds of
 /// parallax away from the earth's centre. Polar motion (0.5 arcseconds) is left out.
 ///
 /// Source of the geocentric place: see [`Tier`]; of the parallax: the exact difference of vectors, which Reda & Andreas
@@ -154,7 +154,7 @@ pub(super) fn topocentric(
     let angle = arctangent(east, north);
     let azimuth = if angle < 0.0 { angle + TAU } else { angle };
     (
-        // A hair west of north rounds to a whole turn.
+        // Slightly west of north rounds to a whole turn.
         if azimuth < TAU { azimuth } else { 0.0 },
         arctangent(up, (east * east + north * north).sqrt()),
     )

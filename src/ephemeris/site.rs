@@ -54,7 +54,7 @@ impl Site {
             ));
         }
         let wrapped = (longitude_deg + 180.0).rem_euclid(360.0) - 180.0;
-        // What is in range already keeps its every bit.
+        // What is in range already keeps all its bits.
         let longitude_deg = if (-180.0..180.0).contains(&longitude_deg) {
             longitude_deg
         } else if wrapped < 180.0 {
@@ -87,7 +87,7 @@ impl Site {
         self.longitude_deg
     }
 
-    /// The height above sea level [m]; geoid and ellipsoid are not told apart (at most 107 m, 0.0001 arcseconds).
+    /// The height above sea level [m]; geoid and ellipsoid are not distinguished (at most 107 m, 0.0001 arcseconds).
     pub fn elevation(&self) -> f64 {
         self.elevation
     }

@@ -10,7 +10,7 @@ pub(super) fn cosine(x: f64) -> f64 {
     // pi in two parts of 32 bits: their products with a whole number below 2^21 are exact, and the rest is 4e-21.
     const PI_HIGH: f64 = f64::from_bits(0x4009_21fb_5440_0000);
     const PI_LOW: f64 = f64::from_bits(0x3de0_b461_1a60_0000);
-    // 1.5 * 2^52: a number added to it is rounded to a whole one, which then stands in the lowest bits.
+    // 1.5 * 2^52: a number added to it is rounded to a whole one, which is then in the lowest bits.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     let shifted = x * FRAC_1_PI + ROUND;
     let k = shifted - ROUND;
@@ -40,7 +40,7 @@ pub(super) fn sin_cos<const N: usize>(angles: [f64; N]) -> [(f64, f64); N] {
     std::array::from_fn(|i| (sines[i], cosines[i]))
 }
 
-/// The angle of the vector (x, y) from the x axis [rad], in [-pi, pi], as [`f64::atan2`] has it but for the signs of
+/// The angle of the vector (x, y) from the x axis [rad], in [-pi, pi], as [`f64::atan2`] gives it except for the signs of
 /// zeros; some finite angle where both are zero.
 ///
 /// Within 1e-13 of the standard library's: the arctangent's odd polynomial, of a ratio below tan(pi/8).

@@ -71,7 +71,7 @@ fn density(pressure_hpa: f64, temperature_c: f64) -> f64 {
 /// Pressure [hPa] and temperature [degrees C] of the standard atmosphere at a height [m].
 ///
 /// Source: ISO 2533 (1975): 15 degrees at sea level, 6.5 K less for each km up to 11 km. Above, we stay with its
-/// isothermal layer, which gives 1 % of the true pressure's scale at 100 km: refraction is nothing there.
+/// isothermal layer, which gives 1 % of the true pressure's scale at 100 km: refraction is negligible there.
 fn standard_atmosphere(height: f64) -> (f64, f64) {
     const LAPSE: f64 = 0.0065; // K/m
     const SEA_LEVEL: f64 = 288.15; // K

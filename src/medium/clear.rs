@@ -66,7 +66,7 @@ impl Default for ClearAir {
 /// Optical depths toward the sun of molecules and aerosol [1], from the site.
 ///
 /// The column times the relative air mass of Kasten & Young 1989, as the sun's model has it: 38 at the horizon, where 1 / sin
-/// would end nowhere. Sunlight above all air is brighter by e^overhead; where the channels' mean coefficients would make it
+/// diverges. Sunlight above all air is brighter by e^overhead; where the channels' mean coefficients would make it
 /// brighter than it is outside the atmosphere (a low sun, of whose light the most penetrating is left), both are taken to the
 /// share that gives just that.
 ///

@@ -54,7 +54,7 @@ pub enum Shape {
     },
 }
 
-/// No path through the air is followed further than this [m]; a flat, endless haze is as good as opaque long before.
+/// No path through the air is followed further than this [m]; a flat, endless haze is practically opaque long before.
 pub const FARTHEST: f64 = 1e9;
 
 impl Medium {

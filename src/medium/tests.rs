@@ -3,7 +3,7 @@
 use super::*;
 use crate::beam::Beam;
 
-/// A dull midpoint rule over what the definition says, to judge the closed forms by.
+/// A plain midpoint rule over the definition, to check the closed forms with.
 fn midpoint(air: &Air, o: DVec3, r: DVec3, a: f64, b: f64, sun: DVec3, n: usize) -> DVec3 {
     let one_minus_mu = 0.5 * (r - sun).length_squared();
     (0..n)
@@ -424,7 +424,7 @@ fn boxes_hold_the_eye_are_touched_at_a_corner_and_may_be_thin() {
         &Beam::parallel(sun, DVec3::ONE),
     );
     assert!(edge.integrate(0.0, 9.0).is_finite());
-    // As thin as numbers are: nothing.
+    // As thin as numbers can be: nothing.
     let sheet = fog(DVec3::ZERO, DVec3::new(2.0, f64::MIN_POSITIVE, 2.0));
     for r in [DVec3::Y, DVec3::X, sun] {
         let o = DVec3::new(1.0, 0.0, 1.0) - 0.5 * r;

@@ -1,7 +1,7 @@
 //! Files that are whole or not there at all.
 //!
 //! A file is written beside its name and renamed into place once it is complete and on the disk. Whatever fails on
-//! the way leaves the folder, and a file that stood there before, as they were.
+//! the way leaves the folder, and a file that was there before, as they were.
 
 use crate::error::{Error, Result};
 use std::fs::File;
@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Whether a file of this name could be written, before the work that fills it.
+/// Whether a file of this name could be written, to be asked before the work that fills it.
 ///
 /// Leaves nothing behind, so that a run which is interrupted leaves nothing either.
 ///
@@ -77,7 +77,7 @@ fn begin(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
     Ok((target, temporary))
 }
 
-/// Puts the new name on the disk too. The file itself is there already, so what fails here is no failure.
+/// Syncs the new name to the disk too. The file itself is there already, so a failure here is ignored.
 fn sync_folder(target: &Path) {
     #[cfg(unix)]
     if let Some(folder) = target.parent()

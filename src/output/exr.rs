@@ -11,7 +11,7 @@
 //! | `normal.X` `.Y` `.Z` | unit normal, scene axes |
 //!
 //! `chromaticities` match the pixels, `whiteLuminance` is 1 (RGB 1, 1, 1 is 1 cd/m2), and the
-//! [`Record`](crate::frame::Record) stands in attributes called `tyndall:NAME`.
+//! [`Record`](crate::frame::Record) is in attributes called `tyndall:NAME`.
 //! Transmittance is per channel of the working space, not a colour, and is not converted.
 
 use super::{OutputSpace, atomic};
@@ -38,7 +38,7 @@ pub const SOFTWARE: &str = concat!("tyndall ", env!("CARGO_PKG_VERSION"));
 
 /// Writes `frame` with those of its layers that `layers` names (see [`super::select_layers`]): of a map, those of colour alone.
 ///
-/// Beside the frame this needs memory for a few blocks of 16 rows alone.
+/// Beside the frame this only needs memory for a few blocks of 16 rows.
 ///
 /// # Errors
 /// Those of [`Frame::check`]; [`crate::Error::File`] when the file cannot be written.
@@ -126,7 +126,7 @@ fn channels<'f>(
                 width: frame.width as usize,
                 source,
             },
-            // Marks hue or alpha for lossy compression; these are neither, whatever their names look like.
+            // Marks hue or alpha for lossy compression; these are neither, whatever their names suggest.
             quantize_linearly: false,
             sampling: Vec2(1, 1),
         });

@@ -4,7 +4,7 @@
 //! - [`png`]: the picture as a screen shows it
 //! - [`hdr`]: the picture for programs that read Radiance's format
 //! - [`report`]: the record and the plan, for scripts
-//! - [`atomic`]: how each of them comes to stand under its name
+//! - [`atomic`]: how each file is written whole or not at all
 
 pub mod atomic;
 pub mod exr;
@@ -32,7 +32,7 @@ impl Format {
     /// The format that a file's name asks for.
     ///
     /// # Errors
-    /// [`Error::Input`] when the name ends in nothing that can be written.
+    /// [`Error::Input`] when the name's extension is none that can be written.
     pub fn of(path: &Path) -> Result<Self> {
         let ending = path.extension().unwrap_or_default().to_string_lossy();
         match ending.to_ascii_lowercase().as_str() {
@@ -50,7 +50,7 @@ impl Format {
 
 /// The formats of the files that a picture is to be written to, once it is known that all of them can be.
 ///
-/// To be called before the long work.
+/// To be called before the expensive work.
 ///
 /// # Errors
 /// Those of [`Format::of`] and [`atomic::check`]; [`Error::Input`] when a file is named twice.

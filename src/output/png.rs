@@ -1,4 +1,4 @@
-//! The picture as a screen shows it: 8 bits, sRGB, marked so.
+//! The picture as a screen shows it: 8 bits, tagged as sRGB.
 
 use super::atomic;
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! JSON for scripts: the record of a picture, and whatever else a command tells.
+//! JSON for scripts: the record of a picture, and whatever else a command reports.
 
 use super::atomic;
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! From the pieces of a file to one mesh in scene axes: what every loader has in common.
+//! From the pieces of a file to one mesh in scene axes: what all loaders share.
 //!
 //! Transforms are f64 throughout, so that a piece which a node puts a thousand kilometres away keeps its millimetres.
 
@@ -134,7 +134,7 @@ impl Assembly {
         Ok(())
     }
 
-    /// The mesh, and what must be said about it. A mesh without a triangle that has an area is an error.
+    /// The mesh and its warnings. A mesh without a triangle that has an area is an error.
     pub fn finish(self, file: &str, warnings: &mut Vec<Warning>) -> Result<Mesh> {
         if self.mesh.triangles.is_empty() {
             let problem = match self.degenerate {

@@ -1,7 +1,7 @@
 //! Checks TOML against a JSON Schema, where line and key are still known.
 //!
 //! The part of JSON Schema that [`super::toml`] makes is understood: objects, arrays of fixed length, numbers with
-//! ranges, strings with choices, and alternatives told apart by a tag or by being a number or an array.
+//! ranges, strings with choices, and alternatives distinguished by a tag or by being a number or an array.
 
 use crate::error::{Error, Result};
 use serde_json::{Map, Value};

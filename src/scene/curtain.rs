@@ -3,15 +3,15 @@
 //! Light that is parallel reaches the points of a ray along a half-plane, the curtain, which is bounded by the ray and swept
 //! from it toward the sun. Every triangle that the curtain cuts darkens exactly one interval of the ray (a cut-out triangle:
 //! one for each run of solid texels). So the bounding volumes are searched for the half-plane instead of for many shadow rays:
-//! no step, no missed sliver. These are the segments of Nishita, Miyawaki & Nakamae 1987 without their shadow volumes.
+//! no step size, no missed gap. These are the segments of Nishita, Miyawaki & Nakamae 1987 without their shadow volumes.
 //!
 //! Everything happens in the ray's own frame (n, m, r): r along the ray, m across it on the sun's side, n at right angles to
 //! both. A point p of the curtain (p.n = 0, p.m = y >= 0) shades the ray at t = p.r - y cot(theta), theta being the angle
 //! between the ray and the sun. Several suns (the points of its disc) share one search: each only turns the half-plane a
-//! little about the ray. What could only darken points that are dark already is passed over, and what may darken most is
-//! looked at first.
+//! little about the ray. What could only darken points that are dark already is skipped, and what may darken most is
+//! visited first.
 //!
-//! Light from a place near by reaches the ray along a fan instead: see [`super::fan`].
+//! Light from a place near by reaches the ray along a fan instead: see the module `fan`.
 
 use super::Ray;
 use super::geometry::{CutOut, Geometry, Node};
@@ -38,7 +38,7 @@ impl Geometry {
     /// The dark runs of the first `far` metres of a ray, for each of `beams`.
     ///
     /// `dark[k]` is overwritten with the runs that `beams[k]` does not reach, in order and apart from each other.
-    /// Exact but for f64 rounding. A beam is that of the middle of its cell.
+    /// Exact except for f64 rounding. A beam is that of the middle of its cell.
     pub fn dark_runs(&self, ray: &Ray, far: f64, beams: &[Beam], dark: &mut Vec<Vec<Run>>) {
         dark.resize_with(beams.len(), Vec::new);
         dark.iter_mut().for_each(Vec::clear);
@@ -250,7 +250,7 @@ impl Search<'_> {
         let mut stack: Vec<(u32, [f32; 2])> = Vec::with_capacity(64);
         stack.extend(reach(&nodes[0], &self.dark).map(|reach| (0, reach)));
         while let Some((top, [from, to])) = stack.pop() {
-            // What was worth a look when it was pushed may be dark by now.
+            // What was worth visiting when it was pushed may be dark by now.
             let (from, to) = (f64::from(from).max(span[0]), f64::from(to).min(span[1]));
             if self.dark.iter().all(|runs| holds(runs, from, to)) {
                 continue;

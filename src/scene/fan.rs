@@ -35,7 +35,7 @@ impl Geometry {
         let mut stack = vec![0u32];
         while let Some(top) = stack.pop() {
             let node = &self.nodes[top as usize];
-            // Boxes are in f32: nothing that the plane may cut is passed over.
+            // Boxes are in f32: nothing that the plane may cut is skipped.
             let middle = node.middle.as_dvec3() - base;
             let half = node.half.as_dvec3() + 1e-6 * (self.extent + base.length());
             if n.dot(middle).abs() > n.abs().dot(half) {
@@ -124,7 +124,7 @@ impl Geometry {
         }
     }
 
-    /// The dark runs of a ray on which the lamp itself lies: all before the last thing before it, and behind the first behind it.
+    /// The dark runs of a ray on which the lamp itself lies: up to the last occluder before the lamp, and from the first one behind it.
     fn along_ray(&self, ray: &Ray, far: f64, lamp: f64, dark: &mut Vec<Run>) {
         let at = ray.at(lamp);
         let back = Ray {

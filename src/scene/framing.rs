@@ -4,7 +4,7 @@ use super::{Camera, Projection};
 use crate::units::DEG;
 use glam::DVec3;
 
-/// Vertical field of view of a camera that nobody chose [degrees].
+/// Vertical field of view of a default camera [degrees].
 pub const DEFAULT_FOV_Y_DEG: f64 = 50.0;
 
 impl Camera {

@@ -25,7 +25,7 @@ pub struct Hit {
     pub barycentric: [f64; 2],
 }
 
-/// The triangles of a scene that cast shadows, ready to be asked for.
+/// The triangles of a scene that cast shadows, in bounding volumes.
 pub struct Geometry {
     /// Middle of the bounds; corners are relative to it.
     pub(super) origin: DVec3,
@@ -131,7 +131,7 @@ impl Geometry {
         let boxes = |corners: &[[DVec3; 3]]| corners.iter().map(inflate).collect::<Vec<_>>();
         let mut time = Duration::default();
         let planes = build_bvh2(&boxes(&corners), BvhBuildParams::medium_build(), &mut time);
-        // In the order of the leaves, so that what is looked at together lies together.
+        // In the order of the leaves, so that what is visited together lies together in memory.
         let order: Vec<usize> = planes
             .primitive_indices
             .iter()
@@ -245,7 +245,7 @@ impl Geometry {
                 hit.distance > near && hit.distance < far && self.solid_at(index, hit.barycentric);
             solid.then_some((index, hit))
         };
-        // A distance in f32 that is surely not less than the f64 one from where the box ray starts.
+        // A distance in f32 that is certainly not less than the f64 one from where the box ray starts.
         let beyond = |distance: f64| {
             let d = (self.scale * (distance - skip)) as f32;
             d + d.abs() * 4.0 * f32::EPSILON + 1e-6 * BOX_EXTENT as f32

@@ -2,7 +2,7 @@
 //!
 //! Of a material its base colour counts: factor, texture (nearest texel; KHR_texture_transform goes into the texture
 //! coordinates here), vertex colours, alpha. What else it holds is named in one warning. Node transforms are composed
-//! in f64 from the JSON's own numbers. Skins and morph targets stand as modelled.
+//! in f64 from the JSON's own numbers. Skins and morph targets stay as modelled.
 
 use super::assembly::{Assembly, Piece, decode_image};
 use super::camera::{Camera, Projection};
@@ -328,7 +328,7 @@ impl Loader<'_> {
             if std::mem::replace(&mut visited[index], true) {
                 return Err(gltf.error(
                     &place,
-                    "it hangs in the tree twice, or below itself",
+                    "it is in the tree twice, or below itself",
                     "export the scene again",
                 ));
             }

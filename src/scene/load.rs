@@ -16,13 +16,13 @@ pub const BUILTIN: [&str; 1] = ["nave"];
 
 /// Reads a scene: TOML, glTF, GLB or OBJ.
 ///
-/// The kind is told by the extension, among glTF, GLB and files without a known extension by the content. Files that
+/// The extension tells the kind; glTF, GLB and files without a known extension are told apart by content. Files that
 /// it names (mesh, buffers, materials, pictures) are looked for beside it.
 ///
 /// # Errors
 /// [`Error::File`] when `path` cannot be read; [`Error::Input`] or [`Error::Domain`] with file, place and remedy when it
 /// is not a scene, is damaged, has no triangles, or holds a key or a value that is not valid. What can be left out (a
-/// texture that cannot be read, triangles without an area) is said in [`Scene::warnings`] instead.
+/// texture that cannot be read, triangles without an area) is reported in [`Scene::warnings`] instead.
 pub fn load(path: &Path) -> Result<Scene> {
     let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
     let mut scene = match FileKind::of(path, &bytes)? {

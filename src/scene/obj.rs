@@ -169,7 +169,7 @@ fn check_lines(file: &str, text: &str) -> Result<()> {
                         Ok(i) => {
                             return error(
                                 format!(
-                                    "the face names {} {i}, but {count} stand before it",
+                                    "the face names {} {i}, but {count} are defined before it",
                                     ["vertex", "texture coordinate", "normal"][kind.min(2)]
                                 ),
                                 "the file is damaged: export it again",

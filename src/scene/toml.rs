@@ -327,7 +327,7 @@ pub(super) fn load(
     if !scene.mesh.positions.iter().all(|p| p.is_finite()) {
         return Err(wrong(
             "scale",
-            "it makes the mesh larger than numbers go".into(),
+            "it makes the mesh larger than numbers can be".into(),
             "write a smaller scale",
         ));
     }
@@ -428,7 +428,7 @@ impl CameraTable {
             if given && kind != belongs {
                 return Err(wrong(
                     key,
-                    "the camera's projection has no use for it".into(),
+                    "the camera's projection does not use it".into(),
                     "leave it out: fov_y belongs to a perspective, height to an orthographic camera",
                 ));
             }

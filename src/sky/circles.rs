@@ -1,4 +1,4 @@
-//! The sky along circles of equal elevation: many directions for the price of few.
+//! The sky along circles of equal elevation: many directions at the cost of a few.
 //!
 //! The models are products of what depends on the height of a direction alone and what depends on its angle from the sun
 //! alone. On a circle the first is computed once; the second is read from a table, made once for the whole sky.

@@ -43,7 +43,7 @@ const COLOUR_ALBEDO: f64 = 0.2;
 /// The share of the clear sky's beam from which on a sky has its full colour.
 const CLEAR_BEAM: f64 = 0.7;
 
-/// A model, ready to be evaluated.
+/// A prepared model.
 #[derive(Debug, Clone)]
 pub struct Day {
     form: Form,
@@ -66,7 +66,7 @@ enum Form {
     /// RGB in the working space.
     Uniform(DVec3),
     Hosek(Hosek),
-    /// Luminance [cd/m2] as a sum of two gradations, and whence the colour.
+    /// Luminance [cd/m2] as a sum of two gradations, and where the colour comes from.
     Luminance {
         parts: [(Gradation, f64); 2],
         clear: Hosek,
@@ -384,7 +384,7 @@ impl Around {
 
 /// How much clouds take part in a sky of measured irradiance [1]: 0 from 70 % of the clear sky's beam up, 1 without beam.
 ///
-/// Below 5 degrees of elevation [rad] the clear beam of 5 degrees is the measure: lower ones are too weak to tell by.
+/// Below 5 degrees of elevation [rad] the clear beam of 5 degrees is the measure: lower ones are too weak to compare with.
 pub fn cloudiness(measured: Irradiance, elevation: f64, turbidity: f64) -> f64 {
     let clear = perez::clear_sky(elevation.max(5.0 * DEG), turbidity, 0.0, 1.0);
     1.0 - smoothstep(

@@ -3,7 +3,7 @@
 //! The models are made for the day. From 10 degrees of true solar elevation down, a sky turns into the twilight of
 //! [`twilight`]: between 10 and 5 degrees its horizontal illuminance goes (in the logarithm) from the model's own to the
 //! published curve of sun and clear sky less the sun's own share; between 10 and 2 degrees its distribution and colour go
-//! from the model's to the twilight's. Between -12 and -18 degrees the night comes in, and is left alone below: stars and
+//! from the model's to the twilight's. Between -12 and -18 degrees the night comes in, and below that it is alone: stars and
 //! airglow, 6.4e-4 lx.
 
 use super::angles::elevation_of;

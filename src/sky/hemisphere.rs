@@ -1,4 +1,4 @@
-//! Integrals over the sky dome: relative error 1e-4 for every model by day, 1e-3 in deep twilight, whose arch is a sliver.
+//! Integrals over the sky dome: relative error 1e-4 for every model by day, 1e-3 in deep twilight, whose arch is thin.
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};

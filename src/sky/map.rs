@@ -34,7 +34,7 @@ pub struct Map {
 /// Points that the sun's disc is made of: a texel that it covers in full gets some hundred of them at 8 192 texels around.
 const DISC_POINTS: usize = 1 << 16;
 
-/// Paints the rows of a map, on as many cores as one likes.
+/// Computes the rows of a map, on any number of cores.
 pub struct Painter<'s> {
     map: Map,
     sky: &'s Sky,
@@ -220,7 +220,7 @@ impl Map {
     pub fn paint(&self, sky: &Sky, ground: DVec3) -> Vec<Vec3> {
         let width = self.width as usize;
         let painter = self.painter(sky, ground);
-        // Memory that is zero already is first touched, which costs, by the core that paints it.
+        // Zeroed memory is first touched, which is expensive, by the core that fills it.
         let mut texels = bytemuck::zeroed_vec(width * self.height as usize);
         texels
             .par_chunks_mut(width)

@@ -154,7 +154,7 @@ impl State {
         let mut lifted = false;
         let parts = self.bins.map(|(bin, weight)| {
             let mut c = coefficients(bin, self.zenith_angle, self.brightness);
-            // With b > 0 the horizon explodes; at b = 0 it is merely brighter by 1 + a.
+            // With b > 0 the horizon diverges; at b = 0 it is only brighter by 1 + a.
             if c[1] > 0.0 {
                 lifted |= weight > 0.0;
                 c[1] = 0.0;

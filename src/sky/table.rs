@@ -12,7 +12,7 @@ use crate::colour::LUMINANCE;
 /// Pieces of the table over the angle from the sun, which is read along straight lines.
 const PIECES: usize = 4096;
 
-/// What stands in the table, one after the other, and how many numbers it takes; the grid of twilight follows.
+/// The parts of the table in order, and how many numbers each takes; the grid of twilight follows.
 const LAYOUT: [(&str, usize); 15] = [
     ("FORM", 1),
     ("TOWARD_SUN", 3),
@@ -31,7 +31,7 @@ const LAYOUT: [(&str, usize); 15] = [
     ("ANGLES", 5 * (PIECES + 1)),
 ];
 
-/// Where things stand in the table and the numbers that the models share, as constants of a shader.
+/// Offsets into the table and the numbers that the models share, as constants of a shader.
 pub(crate) fn constants() -> String {
     let mut at = 0;
     let mut text = String::new();

@@ -14,7 +14,7 @@ pub const LEVEL: f64 = 5.0 * DEG;
 
 /// True elevation of the sun [rad] at and below which the sky's distribution and colour are the twilight's alone.
 ///
-/// The models' fits grow wild below: Perez's coefficients give the horizon spikes.
+/// The models' fits are not usable below: Perez's coefficients give the horizon spikes.
 pub const SHAPE: f64 = 2.0 * DEG;
 
 /// True elevation of the sun [rad] below which the night shows.

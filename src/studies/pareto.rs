@@ -1,4 +1,4 @@
-//! The Pareto front: measurements that nothing beats at its own price.
+//! The Pareto front: measurements that no other beats at the same cost.
 
 /// Which of these pairs of cost and error (of any units, less is better) are on the front, in their order.
 ///

@@ -1,8 +1,8 @@
 //! What accuracy costs in the air: every method of integrating sunlight, swept over its own knobs, against the reference.
 //!
 //! The sun is a point, so that the methods alone differ. Times are the device's own clock, medians of repeated frames after a
-//! first one that does not count; reads and nodes are counted in a frame apart, whose times do not count either. Shadow maps
-//! are shared by all methods and shown apart.
+//! first one that does not count; reads and nodes are counted in a separate frame, whose times do not count either. Shadow maps
+//! are shared by all methods and reported separately.
 
 use crate::accuracy::{self, flip};
 use crate::backend::gpu::Gpu;

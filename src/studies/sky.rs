@@ -1,6 +1,6 @@
 //! What the sky's knobs cost: patches of the dome, size of a map, bands of the sun's spectrum.
 //!
-//! Each is held against the sky itself. What a room gets is measured by the illuminance of planes: level, and upright
+//! Each is compared with the sky itself. What a room gets is measured by the illuminance of planes: level, and upright
 //! toward twelve azimuths. What an eye sees is measured direction by direction.
 
 use std::f64::consts::PI;

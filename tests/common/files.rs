@@ -33,7 +33,7 @@ impl Folder {
                     "the error does not name {name}: {text}"
                 );
                 assert!(!error.remedy().is_empty(), "no remedy: {text}");
-                assert!(error.is_input(), "not the user's to mend: {text}");
+                assert!(error.is_input(), "not the user's to fix: {text}");
                 text
             }
         }

@@ -1,4 +1,4 @@
-//! Scenes that are made in code, for whoever needs occluders of a known kind and number.
+//! Scenes that are made in code, with occluders of a known kind and number.
 //!
 //! `sun` is azimuth and elevation in degrees. Everything is in metres, +Y up, and the same on every machine.
 #![allow(dead_code)]

@@ -1,4 +1,4 @@
-//! What the project does to itself: `cargo xtask test`.
+//! Tasks of the project itself: `cargo xtask test`.
 
 mod scene;
 mod test;

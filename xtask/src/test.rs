@@ -91,7 +91,7 @@ fn run_all(arguments: Vec<String>) -> Result<bool, String> {
     Ok(status.success() && count.failures == 0)
 }
 
-/// What libtest said, over all test binaries.
+/// What libtest reported, over all test binaries.
 #[derive(Debug, Default)]
 struct Count {
     passed: usize,

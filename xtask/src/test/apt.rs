@@ -3,7 +3,7 @@
 use super::{quietly, say};
 use std::process::{Command, Stdio};
 
-/// Installs `packages`, or tells why not.
+/// Installs `packages`, or says why not.
 pub fn install(packages: &[&str]) -> Result<(), String> {
     let names = packages.join(" ");
     let Some(sudo) = right() else {

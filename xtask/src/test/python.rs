@@ -12,7 +12,7 @@ const OLDEST: (u32, u32) = (3, 11);
 
 /// The Python that runs the test scripts, or why there is none.
 ///
-/// `TYNDALL_PYTHON` wins when the user has set it: then its packages are the user's affair.
+/// `TYNDALL_PYTHON` wins when the user has set it: then its packages are up to the user.
 pub fn prepare(target: &Path) -> Result<PathBuf, String> {
     if let Some(python) = std::env::var_os("TYNDALL_PYTHON") {
         say(&format!("TYNDALL_PYTHON is {}", python.display()));
@@ -86,10 +86,10 @@ fn version_of(python: &std::ffi::OsStr) -> Option<((u32, u32), String)> {
     Some((version, format!("Python {}", lines.next()?)))
 }
 
-/// Makes the environment in `folder` anew and fills it.
+/// Recreates the environment in `folder` and fills it.
 ///
-/// Debian's python3 comes without ensurepip, which venv needs: that is what python3-venv brings. Where it cannot be
-/// had, virtualenv does as well, or a pip outside that fills an environment without one.
+/// Debian's python3 comes without ensurepip, which venv needs: that is what python3-venv brings. Where it is not
+/// available, virtualenv serves too, or a pip outside that fills an environment without one.
 fn make(base: &str, folder: &Path) -> Result<(), String> {
     let path = folder.as_os_str();
     let fill = |python: &Path, pip: &[&std::ffi::OsStr]| {

@@ -4,7 +4,7 @@ use super::{apt, say};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// Installs the driver where it is missing and may be installed, else tells what to do.
+/// Installs the driver where it is missing and may be installed, else says what to do.
 ///
 /// Without it the tests of the GPU say that they did not run, or fail when `REQUIRE_GPU=1`.
 pub fn prepare() {
