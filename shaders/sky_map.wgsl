@@ -2,7 +2,7 @@
 
 struct SkyMap {
     size: vec2u,
-    // 0 equirectangular, 1 fisheye, 2 cube.
+    // EQUIRECTANGULAR, FISHEYE or CUBE.
     projection: u32,
     // First row of this band, and rows in it.
     first: u32,
@@ -28,12 +28,12 @@ fn direction_of(x: u32, y: u32) -> vec3f {
     // Twice the way from the map's middle, in texels: whole numbers, so that nothing is lost at the horizon.
     let side = i32(map.size.y);
     let down = 2 * i32(y) + 1 - side;
-    if map.projection == 0u {
+    if map.projection == EQUIRECTANGULAR {
         let elevation = turns[y];
         let azimuth = turns[map.size.y + x];
         return vec3f(elevation.y * azimuth.x, elevation.x, -elevation.y * azimuth.y);
     }
-    if map.projection == 1u {
+    if map.projection == FISHEYE {
         let right = 2 * i32(x) + 1 - side;
         let square = right * right + down * down;
         if square > side * side {

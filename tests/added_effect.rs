@@ -16,7 +16,7 @@ use tyndall::effect::{
 };
 use tyndall::plan::{Overrules, Plan, Quality};
 
-/// The shader of the documentation, the only block of WGSL there.
+/// The shader of the documentation, the only raw string there.
 fn shader() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
     TEXT.get_or_init(|| {
@@ -25,9 +25,9 @@ fn shader() -> &'static str {
             .lines()
             .map_while(|line| line.strip_prefix("//!"));
         lines
-            .skip_while(|line| line.trim() != "```wgsl")
+            .skip_while(|line| !line.ends_with("r#\""))
             .skip(1)
-            .take_while(|line| line.trim() != "```")
+            .take_while(|line| !line.trim().starts_with("\"#"))
             .map(|line| format!("{}\n", line.strip_prefix(' ').unwrap_or(line)))
             .collect()
     })

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tyndall::backend::gpu;
 use tyndall::conditions::{Conditions, Request};
-use tyndall::effect;
+use tyndall::effect::{self, Over};
 use wgpu::naga;
 
 /// The modules of the library: each uses only those before it. The documentation of the crate lists them in the same order.
@@ -502,6 +502,13 @@ fn invalid(shaders: &Files) -> Vec<String> {
     complaints
 }
 
+/// The size of the workgroups of each compute entry point.
+fn workgroup_sizes(text: &str) -> BTreeMap<String, [u32; 3]> {
+    let module = naga::front::wgsl::parse_str(text).expect("it is WGSL");
+    let entries = module.entry_points.into_iter();
+    entries.map(|e| (e.name, e.workgroup_size)).collect()
+}
+
 #[test]
 fn shaders_are_valid() {
     let scene = tyndall::scene::Scene::builtin("nave").expect("it is built in");
@@ -515,6 +522,11 @@ fn shaders_are_valid() {
                 let name = format!("{}.{} {counting}", effect.name, pass.entry);
                 let text = gpu::shader_text(effect, pass, &conditions, &settings, counting);
                 assert!(text.contains(pass.entry), "{name}");
+                // The backend dispatches as many groups of 8 by 8 as cover the tile.
+                if matches!(pass.over, Over::Pixels | Over::Fields(_)) {
+                    let sizes = workgroup_sizes(&text);
+                    assert_eq!(sizes.get(pass.entry), Some(&[8, 8, 1]), "{name}");
+                }
                 shaders.insert(name, text);
             }
         }

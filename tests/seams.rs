@@ -184,7 +184,7 @@ fn an_effect_iterates_until_it_is_done_and_keeps_what_it_found_over_tiles_and_mo
     let rendered = on_gpu(&plan(&first, &[&RELAXED], &[]));
     assert!(rendered.made.products.contains(&"rod"));
     let turns = runs(&rendered, "relax");
-    assert!(turns > 200 && turns % 16 == 0, "{turns}");
+    assert!(turns > 200 && turns.is_multiple_of(16), "{turns}");
     assert_eq!(runs(&rendered, "heat"), 1);
     assert_eq!(runs(&rendered, "show"), 2);
     let even = |rendered: &Rendered, within: f64| {

@@ -3,7 +3,7 @@
 mod common;
 
 use glam::{DVec3, Vec3};
-use tyndall::backend::gpu::{Choice, Device, sky_map};
+use tyndall::backend::gpu::{Choice, Gpu};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{Irradiance, Model, Sky, SunAt, SunLight, SunPath};
 use tyndall::units::DEG;
@@ -27,8 +27,8 @@ fn by_reference(map: &Map, sky: &Sky, light: &SunLight) -> Vec<DVec3> {
 }
 
 /// The same by the device.
-fn by_gpu(device: &Device, map: &Map, sky: &Sky, light: &SunLight) -> Vec<DVec3> {
-    let painted = sky_map::paint(device, map, sky, GROUND).expect("the device works");
+fn by_gpu(gpu: &mut Gpu, map: &Map, sky: &Sky, light: &SunLight) -> Vec<DVec3> {
+    let painted = gpu.paint(map, sky, GROUND).expect("the device works");
     let texels = painted.texels.iter().map(|v| v.as_dvec3()).collect();
     with_sun(map, sky, light, texels)
 }
@@ -103,13 +103,13 @@ fn every_texel_agrees_with_the_reference() {
     if !common::gpu("every_texel_agrees_with_the_reference") {
         return;
     }
-    let device = Device::open(Choice::Any).expect("there is an adapter");
+    let mut gpu = Gpu::open(Choice::Any).expect("there is an adapter");
     let mut highest = 0.0_f64;
     for model in models() {
         for elevation in [90.0, 58.3, 25.0, 8.0, 3.0, 0.2, -2.0, -7.0, -14.0, -20.0] {
             let (sky, light) = sky_and_sun(model, 213.4, elevation);
             for map in maps() {
-                let found = by_gpu(&device, &map, &sky, &light);
+                let found = by_gpu(&mut gpu, &map, &sky, &light);
                 let off = worst(&found, &by_reference(&map, &sky, &light));
                 highest = highest.max(off);
             }
@@ -123,13 +123,13 @@ fn the_sun_keeps_its_energy_and_its_texel() {
     if !common::gpu("the_sun_keeps_its_energy_and_its_texel") {
         return;
     }
-    let device = Device::open(Choice::Any).expect("there is an adapter");
+    let mut gpu = Gpu::open(Choice::Any).expect("there is an adapter");
     let (sky, light) = sky_and_sun(models()[0], 30.25, 12.25);
     let (dark, _) = sky_and_sun(Model::Uniform { luminance: 0.0 }, 30.25, 12.25);
     for map in maps() {
         // All of the sun and nothing else, however few the texels.
         let mut energy = DVec3::ZERO;
-        for (i, rgb) in by_gpu(&device, &map, &dark, &light).iter().enumerate() {
+        for (i, rgb) in by_gpu(&mut gpu, &map, &dark, &light).iter().enumerate() {
             let (x, y) = (i as u32 % map.width, i as u32 / map.width);
             let middle = map.direction(f64::from(x) + 0.5, f64::from(y) + 0.5);
             if middle.is_some_and(|d| d.y >= 0.0) {
@@ -140,7 +140,7 @@ fn the_sun_keeps_its_energy_and_its_texel() {
             .abs()
             .max_element();
         assert!(off < 1e-9, "{map:?}: {off}");
-        let texels = by_gpu(&device, &map, &sky, &light);
+        let texels = by_gpu(&mut gpu, &map, &sky, &light);
         let brightest = (0..texels.len())
             .max_by(|a, b| texels[*a].y.total_cmp(&texels[*b].y))
             .unwrap();
@@ -154,14 +154,14 @@ fn half_a_degree_is_noticed() {
     if !common::gpu("half_a_degree_is_noticed") {
         return;
     }
-    let device = Device::open(Choice::Any).expect("there is an adapter");
+    let mut gpu = Gpu::open(Choice::Any).expect("there is an adapter");
     for elevation in [40.0, 6.0, -4.0] {
         let (sky, light) = sky_and_sun(models()[0], 213.4, elevation);
         let dimmed = light.dimmed(0.0);
         let (moved, _) = sky_and_sun(models()[0], 213.9, elevation);
         for map in maps() {
             let truth = by_reference(&map, &sky, &dimmed);
-            let off = worst(&by_gpu(&device, &map, &moved, &dimmed), &truth);
+            let off = worst(&by_gpu(&mut gpu, &map, &moved, &dimmed), &truth);
             assert!(off > 1e-3, "{map:?} {elevation}: {off:.1e}");
         }
     }
@@ -172,10 +172,10 @@ fn a_map_larger_than_a_band_is_whole() {
     if !common::gpu("a_map_larger_than_a_band_is_whole") {
         return;
     }
-    let device = Device::open(Choice::Any).expect("there is an adapter");
+    let mut gpu = Gpu::open(Choice::Any).expect("there is an adapter");
     let (sky, light) = sky_and_sun(models()[0], 213.4, 25.0);
     // Not a whole number of bands.
     let map = Map::new(Projection::Equirectangular, 2500, 1250).unwrap();
-    let found = by_gpu(&device, &map, &sky, &light);
+    let found = by_gpu(&mut gpu, &map, &sky, &light);
     assert!(worst(&found, &by_reference(&map, &sky, &light)) < 1e-4);
 }

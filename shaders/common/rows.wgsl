@@ -59,8 +59,7 @@ fn row_count(count: u32, row: vec2f, c: vec2f) -> u32 {
     let middle = rays[(tile.extent.y / 2u) * tile.extent.x + tile.extent.x / 2u].xyz;
     let last = rays[tile.extent.x * tile.extent.y - 1u].xyz;
     let diagonal = length(rays[0].xyz - middle) + length(last - middle);
-    let most = 4.0 * f32(count);
-    return u32(clamp(ceil(f32(count) * (row.y - row.x) * sine / max(diagonal, 1e-6)), f32(count), most));
+    return u32(clamp(ceil(f32(count) * (row.y - row.x) * sine / max(diagonal, 1e-6)), f32(count), f32(knobs.most_rows)));
 }
 
 fn rows_of(count: u32, columns: u32) -> Rows {

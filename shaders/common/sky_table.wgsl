@@ -57,12 +57,12 @@ fn day(up: f32, haversine: f32) -> vec3f {
         let addend = sky_numbers[FACTORS + 6u * (c + 2u) + 5u] * sqrt(up);
         colour[c] = height_factor(c + 2u, up) * (around_sun(c + 2u, below, share) + addend);
     }
-    if sky_numbers[FORM] == 1.0 {
+    if sky_numbers[FORM] == FORM_XYY {
         // Y, x, y to X, Y, Z.
         colour = colour.x * vec3f(colour.y / colour.z, 1.0, (1.0 - colour.y - colour.z) / colour.z);
     }
     var working = mat3x3f(vector(COLOURS), vector(COLOURS + 3u), vector(COLOURS + 6u)) * colour;
-    if sky_numbers[FORM] == 3.0 {
+    if sky_numbers[FORM] == FORM_LUMINANCE {
         let luminance = max(height_factor(0u, up) * around_sun(0u, below, share), 0.0)
             + max(height_factor(1u, up) * around_sun(1u, below, share), 0.0);
         working *= luminance / dot(working, vector(LUMINANCE));

@@ -1,6 +1,6 @@
 //! One interface to both backends.
 
-use super::gpu::{Choice, Gpu, OnDevice, adapters};
+use super::gpu::{Choice, Device, Gpu, OnDevice};
 use super::reference::Reference;
 use super::rendering::{Limits, Progress, Rendered};
 use crate::conditions::Conditions;
@@ -32,17 +32,18 @@ impl Backend {
     /// Opens what is wanted.
     ///
     /// # Errors
-    /// Those of [`crate::backend::gpu::Device::open`] when a GPU is wanted.
+    /// Those of [`Device::open`] when a GPU is wanted, of [`Device::open_if_any`] when one is found.
     pub fn open(wanted: Wanted) -> Result<Self> {
-        let choice = match wanted {
-            Wanted::Reference => return Ok(Backend::Reference(Kept::default())),
-            Wanted::Auto if adapters::automatic(&adapters::report()).is_none() => {
-                return Ok(Backend::Reference(Kept::default()));
-            }
-            Wanted::Auto => Choice::Hardware,
-            Wanted::Gpu => Choice::Any,
+        let device = match wanted {
+            Wanted::Reference => None,
+            // The drivers are asked once.
+            Wanted::Auto => Device::open_if_any(Choice::Hardware)?,
+            Wanted::Gpu => Some(Device::open(Choice::Any)?),
         };
-        Ok(Backend::Gpu(Box::new(Gpu::open(choice)?)))
+        Ok(match device {
+            Some(device) => Backend::Gpu(Box::new(Gpu::new(device))),
+            None => Backend::Reference(Kept::default()),
+        })
     }
 
     /// In words.

@@ -2,7 +2,7 @@
 //!
 //! Rays are worked off in batches, each of which passes through all effects of the plan; only the fields that these write are
 //! ever held. A first pass takes one ray through each pixel's centre; where a picture of more samples is wanted, pixels that
-//! differ from a neighbour are then taken again with that many rays: with all effects where the air's light differs, without
+//! differ from a neighbour are then resampled with that many rays: with all effects where the air's light differs, without
 //! the air's where only surfaces or background do.
 
 use super::film::Film;
@@ -342,7 +342,7 @@ fn only_air(effect: &Effect) -> bool {
     made.peek().is_some() && made.all(|field| field.part() == Part::Air)
 }
 
-/// The pixels whose colour differs from one of their eight neighbours', and what must be taken again there.
+/// The pixels whose colour differs from one of their eight neighbours', and what must be resampled there.
 fn edges(frame: &Frame) -> Vec<(UVec2, Extent)> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let is_air =

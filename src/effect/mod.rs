@@ -3,7 +3,7 @@
 //! # How to add an effect
 //!
 //! Write `src/effect/<name>.rs` with its documentation (equations, source, what is neglected), a constant [`Effect`] and its
-//! tests, `shaders/<name>.wgsl` with the kernels that its [`Pass`]es name, and name the constant in [`ALL`], after those whose
+//! tests, `shaders/<name>.wgsl` with the kernels that its [`Pass`]es name, and name the constant in [`ALL`] and its module here, after those whose
 //! fields it reads. The plan then lists it with its decision, reason and bound; `--force`, `--without` and `--set` reach it; the
 //! backends run it, the report times it and the parity tests compare it. A new kind of result is one more line of the table of
 //! [`Field`]s.
@@ -26,9 +26,46 @@
 //!   maps. These names and those of the functions there are taken: the test `shaders_are_valid` tells of one that is used twice;
 //! - constants that Rust and WGSL share ([`crate::backend::gpu`]), so that no number stands twice.
 //!
-//! A pass over pixels has `@workgroup_size(8, 8)`, and begins by leaving those outside the picture alone:
+//! A pass over pixels has `@workgroup_size(8, 8)`, and begins by leaving those outside the picture alone. Its ray begins at
+//! `ray_origin(id)`, relative to the eye, in the direction `ray_direction(id)`, and meets its surface at `surfaces[i].distance`; a
+//! surface of number `NOTHING` is none.
 //!
-//! ```wgsl
+//! ## All of one
+//!
+//! Surfaces that glow by their albedo, on both backends. The test `added_effect` takes the shader from here.
+//!
+//! ```
+//! use tyndall::backend::reference::Reference;
+//! use tyndall::backend::Limits;
+//! use tyndall::conditions::{Conditions, Request};
+//! use tyndall::effect::{
+//!     ALL, Contribution, Decision, Effect, Field, Knob, Number, Over, Pass, Resource, When,
+//! };
+//! use tyndall::plan::{Overrules, Plan};
+//! use tyndall::scene::Scene;
+//!
+//! const GLOW: Effect = Effect {
+//!     name: "glow",
+//!     summary: "surfaces glow",
+//!     reads: &[Field::Surface],
+//!     writes: &[Field::Lights],
+//!     knobs: &[Knob {
+//!         name: "strength",
+//!         meaning: "luminance of white [cd/m2]",
+//!         values: [100.0; 4],
+//!         range: [0.0, 1e6],
+//!     }],
+//!     decide: |_| Decision::run("it was added", Contribution::Bound(100.0)),
+//!     reference: |_, settings, _| {
+//!         let strength = settings.get("strength");
+//!         Box::new(move |fields| {
+//!             fields.update(Field::Lights, |_, _, surface, present| {
+//!                 present + strength * surface.albedo
+//!             });
+//!         })
+//!     },
+//!     passes: &[Pass {
+//!         shader: r#"
 //! @compute @workgroup_size(8, 8)
 //! fn glow(@builtin(global_invocation_id) id: vec3u) {
 //!     if !inside_tile(id) {
@@ -37,11 +74,33 @@
 //!     let i = pixel_index(id);
 //!     lights[i] += vec4f(knobs.strength * surfaces[i].albedo, 0.0);
 //! }
-//! ```
+//! "#,
+//!         entry: "glow",
+//!         over: Over::Pixels,
+//!         when: When::Tile,
+//!         uses: &[
+//!             Resource::Read(Field::Surface),
+//!             Resource::Update(Field::Lights),
+//!             Resource::Knobs(|_, settings| {
+//!                 vec![("strength", Number::float(settings.get("strength")))]
+//!             }),
+//!         ],
+//!     }],
+//!     ..Effect::NOTHING
+//! };
 //!
-//! Its ray begins at `ray_origin(id)`, relative to the eye, in the direction `ray_direction(id)`, and meets its surface at
-//! `surfaces[i].distance`; a surface of number 0 is none. All of this effect stands in `tests/added_effect.rs`, which takes the
-//! text above from here.
+//! # fn main() -> tyndall::Result<()> {
+//! // An effect of the project itself stands in `ALL`, in `src/effect/all.rs`; one of your own is given to the plan.
+//! let mut effects = ALL.to_vec();
+//! effects.insert(effects.len() - 1, &GLOW);
+//! let request = Request { size: Some([24, 15]), samples: Some(1), ..Request::default() };
+//! let conditions = Conditions::new(Scene::builtin("nave")?, &request)?;
+//! let plan = Plan::with(&conditions, &Overrules::default(), &effects)?;
+//! let picture = Reference::new(&plan).render(&Limits::default(), &|_| {})?;
+//! assert!(picture.frame.layer("lights").is_some());
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! ## What an effect may keep, and for how long
 //!

@@ -73,6 +73,7 @@ pub fn columns(settings: &Settings<'_>) -> u32 {
 pub fn knobs(settings: &Settings<'_>) -> Vec<(&'static str, Number)> {
     vec![
         ("rows", Number::Count(rows(settings))),
+        ("most_rows", Number::Count(most_rows(settings))),
         ("columns", Number::Count(columns(settings))),
     ]
 }

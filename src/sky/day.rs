@@ -43,6 +43,11 @@ const COLOUR_ALBEDO: f64 = 0.2;
 /// The share of the clear sky's beam from which on a sky has its full colour.
 const CLEAR_BEAM: f64 = 0.7;
 
+/// In what a table of a day's sky has its colours: chromaticity with luminance, linear RGB, or luminance apart from the colour.
+pub(super) const FORM_XYY: f64 = 1.0;
+const FORM_RGB: f64 = 2.0;
+pub(super) const FORM_LUMINANCE: f64 = 3.0;
+
 /// A prepared model.
 #[derive(Debug, Clone)]
 pub struct Day {
@@ -298,9 +303,9 @@ impl Day {
     /// that the first two give.
     pub(super) fn form_number(&self) -> f64 {
         match self.form {
-            Form::Preetham(_) => 1.0,
-            Form::Hosek(_) | Form::Uniform(_) => 2.0,
-            Form::Luminance { .. } => 3.0,
+            Form::Preetham(_) => FORM_XYY,
+            Form::Hosek(_) | Form::Uniform(_) => FORM_RGB,
+            Form::Luminance { .. } => FORM_LUMINANCE,
         }
     }
 

@@ -4,7 +4,7 @@
 //! on the angle from the sun as a table; twilight as its grid.
 
 use super::Sky;
-use super::day::Day;
+use super::day::{Day, FORM_LUMINANCE, FORM_XYY};
 use super::gradation::COSINE_FLOOR;
 use super::twilight;
 use crate::colour::LUMINANCE;
@@ -40,7 +40,8 @@ pub(crate) fn constants() -> String {
         at += length;
     }
     text + &format!(
-        "const COSINE_FLOOR = {COSINE_FLOOR:?};\nconst AEROSOL_G = {:?};\n",
+        "const COSINE_FLOOR = {COSINE_FLOOR:?};\nconst AEROSOL_G = {:?};\n\
+         const FORM_XYY = {FORM_XYY:?};\nconst FORM_LUMINANCE = {FORM_LUMINANCE:?};\n",
         twilight::AEROSOL_G
     )
 }

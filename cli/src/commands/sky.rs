@@ -15,7 +15,6 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::backend::Backend;
-use tyndall::backend::gpu::sky_map;
 use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
@@ -353,10 +352,10 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
     let [width, height] = args.size.unwrap_or(size);
     let map = Map::new(projection, width, height)?;
     let ground = ground(args, subject);
-    let backend = Backend::open(args.backend.wanted())?;
-    let mut rgb = match &backend {
+    let mut backend = Backend::open(args.backend.wanted())?;
+    let mut rgb = match &mut backend {
         Backend::Gpu(gpu) => {
-            let painted = sky_map::paint(gpu.device(), &map, &subject.sky, ground)?;
+            let painted = gpu.paint(&map, &subject.sky, ground)?;
             if let Some(time) = painted.time {
                 let milliseconds = 1e3 * time.as_secs_f64();
                 eprintln!("painted    in {milliseconds:.2} ms on the device");

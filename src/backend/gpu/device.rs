@@ -37,12 +37,22 @@ impl Device {
     /// # Errors
     /// [`Error::Failed`] when there is none, or when the driver refuses; it says what to install or to use instead.
     pub fn open(choice: Choice) -> Result<Self> {
-        let Some((handle, adapter)) = adapters::best(choice == Choice::Any) else {
+        Self::open_if_any(choice)?.ok_or_else(|| {
             let advice = adapters::report().advice.join("; ");
-            return Err(Error::failed(
+            Error::failed(
                 "there is no graphics adapter that could be used",
                 format!("use `--backend reference`, or see `tyndall doctor`. {advice}"),
-            ));
+            )
+        })
+    }
+
+    /// The same, but for nothing where there is no adapter of the choice.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when the driver refuses.
+    pub fn open_if_any(choice: Choice) -> Result<Option<Self>> {
+        let Some((handle, adapter)) = adapters::best(choice == Choice::Any) else {
+            return Ok(None);
         };
         let wanted = Features::TIMESTAMP_QUERY;
         let limits = handle.limits();
@@ -60,7 +70,7 @@ impl Device {
                 "use `--backend reference`, or update the graphics driver",
             )
         })?;
-        Ok(Self::over(adapter, limits, device, queue))
+        Ok(Some(Self::over(adapter, limits, device, queue)))
     }
 
     /// Over a device that somebody else has opened, a viewer say, on an adapter of wgpu; errors that nobody captures on it come out

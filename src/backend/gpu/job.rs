@@ -13,7 +13,7 @@ use super::store::Store;
 use super::timer::Timer;
 use crate::backend::film::Film;
 use crate::backend::rendering::{Limits, Made, Progress, Rendered, StepTime, Traffic};
-use crate::effect::{Field, Fields, Kept, Life, Settings};
+use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
 use crate::error::Result;
 use crate::frame::NO_HIT;
 use crate::plan::{Plan, sample_positions};
@@ -37,6 +37,103 @@ pub struct Lent<'j> {
     pub store: &'j mut Store,
     pub kept: &'j Kept,
     pub counting: bool,
+}
+
+/// What shaders see of a tile, and what they leave of it.
+struct TileBuffers {
+    tile: UVec2,
+    tile_view: Buffer,
+    rays: Buffer,
+    common: BindGroup,
+    numbers: Texture,
+    depth: TextureView,
+    fields: Vec<Target>,
+    staging: Buffer,
+    counts: Option<Buffer>,
+}
+
+impl TileBuffers {
+    fn new(
+        plan: &Plan,
+        device: &Device,
+        pipelines: &Pipelines,
+        store: &mut Store,
+        counting: bool,
+    ) -> Result<Self> {
+        let conditions = plan.conditions;
+        let tile = UVec2::from(conditions.view.size).min(UVec2::splat(TILE));
+        let pixels = u64::from(tile.x) * u64::from(tile.y);
+        let copied = BufferUsages::COPY_DST;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | copied;
+        let mut buffer = |name, bytes, usage| store.buffer(device, name, bytes, usage);
+        let tile_bytes = shared::uniform(&shared::TileView::default()).len() as u64;
+        let tile_view = buffer("the tile", tile_bytes, BufferUsages::UNIFORM | copied)?;
+        let rays = buffer("the rays", 16 * pixels, BufferUsages::STORAGE | copied)?;
+        let counts = match counting {
+            true => Some(buffer("counts", 8, storage)?),
+            false => None,
+        };
+        let mut fields = Vec::new();
+        for field in plan.written() {
+            let bytes = match field {
+                Field::Surface => shared::SURFACE_BYTES * pixels,
+                _ => 16 * pixels,
+            };
+            fields.push(Target {
+                field,
+                buffer: buffer(field.name(), bytes, storage)?,
+                bytes,
+            });
+        }
+        let all: u64 = fields.iter().map(|f| f.bytes).sum();
+        let staging = buffer(
+            "what is read back",
+            all.max(u64::from(numbers_pitch(tile.x)) * u64::from(tile.y)),
+            BufferUsages::MAP_READ | copied,
+        )?;
+        let mut air = media(conditions);
+        if air.is_empty() {
+            air.push(shared::Medium::default());
+        }
+        let air = shared::list(&air);
+        let air = store.filled(device, "the media", &air, BufferUsages::STORAGE)?;
+        let common = device.device.create_bind_group(&BindGroupDescriptor {
+            label: Some("tile, rays, media, counts"),
+            layout: pipelines.common(counting),
+            entries: &[&tile_view, &rays, &air]
+                .into_iter()
+                .chain(&counts)
+                .zip(0..)
+                .map(|(buffer, binding)| BindGroupEntry {
+                    binding,
+                    resource: buffer.as_entire_binding(),
+                })
+                .collect::<Vec<_>>(),
+        });
+        let drawn = TextureUsages::RENDER_ATTACHMENT;
+        let numbers = store.texture(
+            device,
+            "numbers",
+            tile,
+            TextureFormat::R32Uint,
+            drawn
+                | TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_DST
+                | TextureUsages::COPY_SRC,
+        );
+        let depth = store.texture(device, "depth", tile, TextureFormat::Depth32Float, drawn);
+        Ok(TileBuffers {
+            tile,
+            tile_view,
+            rays,
+            common,
+            numbers,
+            depth: depth.create_view(&Default::default()),
+            fields,
+            staging,
+            counts,
+        })
+    }
 }
 
 /// A plan on a device: pipelines compiled, buffers and textures allocated.
@@ -82,93 +179,22 @@ impl<'j> Job<'j> {
             kept,
             counting,
         } = lent;
-        let conditions = plan.conditions;
         let compiled = pipelines.compiled;
         store.begin();
-        let tile = UVec2::from(conditions.view.size).min(UVec2::splat(TILE));
-        let pixels = u64::from(tile.x) * u64::from(tile.y);
         let corners = scene
-            .buffer(device, conditions, &crate::effect::Resource::Corners)?
+            .buffer(device, plan.conditions, &Resource::Corners)?
             .expect("corners are a buffer of the scene");
-        let copied = BufferUsages::COPY_DST;
-        let tile_bytes = shared::uniform(&shared::TileView::default()).len() as u64;
-        let tile_view = store.buffer(
-            device,
-            "the tile",
-            tile_bytes,
-            BufferUsages::UNIFORM | copied,
-        )?;
-        let rays = store.buffer(
-            device,
-            "the rays",
-            16 * pixels,
-            BufferUsages::STORAGE | copied,
-        )?;
-        let mut air = media(conditions);
-        if air.is_empty() {
-            air.push(shared::Medium::default());
-        }
-        let air = store.filled(
-            device,
-            "the media",
-            &shared::list(&air),
-            BufferUsages::STORAGE,
-        )?;
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | copied;
-        let counts = match counting {
-            true => Some(store.buffer(device, "counts", 8, storage)?),
-            false => None,
-        };
-        let common = device.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("tile, rays, media, counts"),
-            layout: pipelines.common(counting),
-            entries: &[&tile_view, &rays, &air]
-                .into_iter()
-                .chain(&counts)
-                .zip(0..)
-                .map(|(buffer, binding)| BindGroupEntry {
-                    binding,
-                    resource: buffer.as_entire_binding(),
-                })
-                .collect::<Vec<_>>(),
-        });
-        let mut drawn = |label, format, usage| store.texture(device, label, tile, format, usage);
-        let numbers = drawn(
-            "numbers",
-            TextureFormat::R32Uint,
-            TextureUsages::RENDER_ATTACHMENT
-                | TextureUsages::TEXTURE_BINDING
-                | TextureUsages::COPY_DST
-                | TextureUsages::COPY_SRC,
-        );
-        let depth = drawn(
-            "depth",
-            TextureFormat::Depth32Float,
-            TextureUsages::RENDER_ATTACHMENT,
-        )
-        .create_view(&Default::default());
-
-        let written = plan.written();
-        let mut fields = Vec::new();
-        for &field in &written {
-            let bytes = match field {
-                Field::Surface => shared::SURFACE_BYTES * pixels,
-                _ => 16 * pixels,
-            };
-            fields.push(Target {
-                field,
-                buffer: store.buffer(device, field.name(), bytes, storage)?,
-                bytes,
-            });
-        }
-        let all: u64 = fields.iter().map(|f| f.bytes).sum();
-        let staging = store.buffer(
-            device,
-            "what is read back",
-            all.max(u64::from(numbers_pitch(tile.x)) * u64::from(tile.y)),
-            BufferUsages::MAP_READ | copied,
-        )?;
-
+        let TileBuffers {
+            tile,
+            tile_view,
+            rays,
+            common,
+            numbers,
+            depth,
+            fields,
+            staging,
+            counts,
+        } = TileBuffers::new(plan, device, pipelines, store, counting)?;
         let mut maker = Maker {
             plan,
             device,
@@ -179,7 +205,7 @@ impl<'j> Job<'j> {
             counting,
             fields: &fields,
             numbers: &numbers,
-            pixels,
+            pixels: u64::from(tile.x) * u64::from(tile.y),
             stages: Vec::new(),
             schedule: Schedule::default(),
             fillings: Vec::new(),
@@ -213,7 +239,7 @@ impl<'j> Job<'j> {
             anchor,
             slots,
             store,
-            written,
+            written: plan.written(),
             tile,
             corners,
             tile_view,

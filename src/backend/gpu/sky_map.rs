@@ -20,6 +20,11 @@ use wgpu::*;
 /// Texels that are painted at once: their buffer is small enough for every adapter.
 const BAND: u32 = 1 << 21;
 
+/// Projections of [`SkyMap`], printed for the shader.
+const EQUIRECTANGULAR: u32 = 0;
+const FISHEYE: u32 = 1;
+const CUBE: u32 = 2;
+
 /// `SkyMap` of shaders/sky_map.wgsl.
 #[derive(Debug, Clone, Copy, Default, ShaderType)]
 struct SkyMap {
@@ -40,13 +45,14 @@ pub struct Painted {
     pub traffic: Traffic,
 }
 
-/// Paints a map: the sky above the horizon, `ground` [cd/m2] below, black outside the circle of a fisheye.
-///
-/// Agrees with [`Sky::radiance`] within 1e-4 in every texel, measured against the texel's largest channel.
-///
-/// # Errors
-/// [`crate::Error::Failed`] when the device fails or is too small for 2 million texels at once.
-pub fn paint(device: &Device, map: &Map, sky: &Sky, ground: DVec3) -> Result<Painted> {
+/// Paints a map, as [`super::Gpu::paint`] says.
+pub(super) fn paint(
+    device: &Device,
+    pipeline: &ComputePipeline,
+    map: &Map,
+    sky: &Sky,
+    ground: DVec3,
+) -> Result<Painted> {
     let mut timer = Timer::new(device, 1)?;
     let size = UVec2::new(map.width, map.height);
     let rows = (BAND / map.width).clamp(1, map.height);
@@ -55,9 +61,9 @@ pub fn paint(device: &Device, map: &Map, sky: &Sky, ground: DVec3) -> Result<Pai
         shared::uniform(&SkyMap {
             size,
             projection: match map.projection {
-                Projection::Equirectangular => 0,
-                Projection::Fisheye => 1,
-                Projection::Cube => 2,
+                Projection::Equirectangular => EQUIRECTANGULAR,
+                Projection::Fisheye => FISHEYE,
+                Projection::Cube => CUBE,
             },
             first,
             ground: ground.as_vec3(),
@@ -76,7 +82,6 @@ pub fn paint(device: &Device, map: &Map, sky: &Sky, ground: DVec3) -> Result<Pai
     let texels = device.buffer("the map", bytes, storage | BufferUsages::COPY_SRC)?;
     let read = device.buffer("the map", bytes, copied | BufferUsages::MAP_READ)?;
 
-    let pipeline = pipeline(device);
     let group = |index: u32, buffers: &[(u32, &Buffer)]| {
         let entries: Vec<BindGroupEntry> = buffers
             .iter()
@@ -109,7 +114,7 @@ pub fn paint(device: &Device, map: &Map, sky: &Sky, ground: DVec3) -> Result<Pai
                 label: Some("sky map"),
                 timestamp_writes,
             });
-            pass.set_pipeline(&pipeline);
+            pass.set_pipeline(pipeline);
             for (group, i) in groups.iter().zip(0..) {
                 pass.set_bind_group(i, group, &[]);
             }
@@ -143,9 +148,11 @@ fn turns(map: &Map) -> Vec<[f32; 2]> {
     elevations.chain(azimuths).collect()
 }
 
-fn pipeline(device: &Device) -> ComputePipeline {
+/// What paints.
+pub(super) fn pipeline(device: &Device) -> ComputePipeline {
     let source = format!(
-        "{}@group(1) @binding(2) var<storage, read> sky_numbers: array<f32>;\n{}",
+        "const EQUIRECTANGULAR = {EQUIRECTANGULAR}u;\nconst FISHEYE = {FISHEYE}u;\nconst CUBE = {CUBE}u;\n\
+         {}@group(1) @binding(2) var<storage, read> sky_numbers: array<f32>;\n{}",
         source::sky_table(),
         include_str!("../../../shaders/sky_map.wgsl"),
     );
