@@ -69,6 +69,8 @@ pub struct Job<'j> {
     /// What the CPU knows of the tile's rays, once it was asked.
     pub on_cpu: Option<Vec<Fields>>,
     pub made: Made,
+    /// Before anything was prepared.
+    before: Traffic,
 }
 
 impl<'j> Job<'j> {
@@ -83,6 +85,7 @@ impl<'j> Job<'j> {
             counting,
         } = lent;
         let conditions = plan.conditions;
+        let before = device.traffic();
         let compiled = pipelines.compiled;
         store.begin();
         let tile = UVec2::from(conditions.view.size).min(UVec2::splat(TILE));
@@ -231,6 +234,7 @@ impl<'j> Job<'j> {
             counts,
             on_cpu: None,
             made,
+            before,
         })
     }
 
@@ -242,7 +246,6 @@ impl<'j> Job<'j> {
         kept: &mut KeptOnDevice,
     ) -> Result<Rendered> {
         let start = Instant::now();
-        let before = self.device.traffic();
         let view = &self.plan.conditions.view;
         let size = UVec2::from(view.size);
         let mut film = match kept.is_wanted() {
@@ -302,8 +305,8 @@ impl<'j> Job<'j> {
             steps: self.steps(times.as_deref()),
             traffic: Traffic {
                 allocated: after.allocated,
-                uploaded: after.uploaded - before.uploaded,
-                downloaded: after.downloaded - before.downloaded,
+                uploaded: after.uploaded - self.before.uploaded,
+                downloaded: after.downloaded - self.before.downloaded,
             },
             refined: 0,
             made: self.made,

@@ -81,7 +81,8 @@ impl Gpu {
         &self.device
     }
 
-    /// Drops what is kept of scenes and results, so that the next picture starts afresh; pipelines stay compiled.
+    /// Drops all results and shadow maps that are kept, so that the next picture makes them anew; the scene's buffers and the
+    /// pipelines stay.
     pub fn forget(&mut self) {
         if let Some(scene) = &mut self.scene {
             scene.slots.forget();
@@ -158,6 +159,8 @@ impl Gpu {
         kept: &mut on_device::Kept,
     ) -> Result<Rendered> {
         let conditions = plan.conditions;
+        // What a rendering that was stopped has made is not made for this one.
+        self.kept.take_made();
         let mut loaded = false;
         match &mut self.scene {
             Some(scene) if scene.is_of(conditions) => scene.follow(conditions),
