@@ -18,6 +18,9 @@ use tyndall::scene::{Projection, Scene};
 use tyndall::sky::{Model, Sky, SunAt};
 use tyndall::studies::scenes::{hills, slats};
 
+/// Knobs and values.
+type Settings<'a> = &'a [(&'a str, f64)];
+
 const SHARE: &str = "the sky's light on surfaces";
 const LATER: &str = "2026-10-22T11:01:00+02:00";
 
@@ -52,7 +55,7 @@ fn plan(conditions: &Conditions) -> Plan<'_> {
     plan_with(conditions, &[])
 }
 
-fn plan_with<'c>(conditions: &'c Conditions, set: &[(&str, f64)]) -> Plan<'c> {
+fn plan_with<'c>(conditions: &'c Conditions, set: Settings) -> Plan<'c> {
     let overrules = Overrules {
         quality: Quality::Draft,
         set: [("visibility.silhouettes", 1.0)]
@@ -376,7 +379,7 @@ fn what_other_conditions_make_stale_is_made_again() {
         let light = |c: &mut Conditions| c.sun.light.illuminance *= 0.5;
         let media = |c: &mut Conditions| c.air.media[0].absorption *= 20.0;
         let dark = |scene: &mut Scene| scene.materials[0].base_color *= 0.3;
-        let others: [(&str, Conditions, &[(&str, f64)]); 8] = [
+        let others: [(&str, Conditions, Settings); 8] = [
             ("more rays", first.clone(), &[("surface_sky.rays", 256.0)]),
             (
                 "a finer lattice",
