@@ -549,7 +549,12 @@ fn a_picture_that_stays_on_the_device_is_the_one_that_comes_back() {
         let conditions = moved(&conditions, at * DVec3::X);
         let plan = plan(&conditions);
         let limits = Limits::default();
+        gpu.render_on_device(&plan, &limits).expect("it works");
+        let before = gpu.device().traffic().allocated;
         let kept = gpu.render_on_device(&plan, &limits).expect("it works");
+        // The next picture needs its own pixels and nothing else.
+        let allocated = gpu.device().traffic().allocated - before;
+        assert_eq!(allocated, 16 * u64::from(kept.width * kept.height));
         let truth = gpu.render(&plan, &limits, &|_| {}).expect("it works");
         // What was handed out is not touched by pictures that follow.
         let found = read_back(&device, &queue, &kept.buffer);

@@ -54,6 +54,7 @@ pub struct Gpu {
     scene: Option<SceneOnDevice>,
     store: Store,
     kept: Kept,
+    adder: Option<on_device::Adder>,
 }
 
 impl Gpu {
@@ -64,6 +65,7 @@ impl Gpu {
             scene: None,
             store: Store::default(),
             kept: Kept::default(),
+            adder: None,
             device,
         }
     }
@@ -106,7 +108,7 @@ impl Gpu {
             limits,
             progress,
             false,
-            &mut on_device::Kept::new(false),
+            &mut on_device::Kept::default(),
         )
     }
 
@@ -131,7 +133,7 @@ impl Gpu {
             limits,
             progress,
             true,
-            &mut on_device::Kept::new(false),
+            &mut on_device::Kept::default(),
         )
     }
 
@@ -140,8 +142,10 @@ impl Gpu {
     /// # Errors
     /// Those of [`Gpu::render`]; [`Error::Failed`] for a picture larger than a binding of the device.
     pub fn render_on_device(&mut self, plan: &Plan, limits: &Limits) -> Result<OnDevice> {
-        let mut kept = on_device::Kept::new(true);
-        self.run(plan, limits, &|_| {}, false, &mut kept)?;
+        let mut kept = on_device::Kept::wanted(self.adder.take());
+        let rendered = self.run(plan, limits, &|_| {}, false, &mut kept);
+        self.adder = kept.adder.take();
+        rendered?;
         kept.into_picture().ok_or_else(|| {
             Error::failed(
                 "the picture has no pixels",
