@@ -75,6 +75,8 @@ impl Backend {
         match self {
             Backend::Gpu(gpu) => gpu.render(plan, limits, progress),
             Backend::Reference(kept) => {
+                // What a rendering that was stopped has made is not made for this one.
+                kept.take_made();
                 let mut rendered = Reference::keeping(plan, kept).render(limits, progress)?;
                 rendered.made.products = kept.take_made();
                 Ok(rendered)

@@ -150,11 +150,14 @@ impl Conditions {
     /// The same scene at the same moment from another view. Everything else is shared.
     ///
     /// # Errors
-    /// [`Error::Domain`] for a camera or a picture outside its range, and for points that are not finite or have no normal.
+    /// [`Error::Domain`] for a camera or a picture outside its range, and for points that are not finite or have no normal;
+    /// [`Error::Input`] for no points, and for a picture that has not a pixel for each.
     pub fn seen_from(&self, view: View) -> Result<Self> {
         checks::picture(view.size, view.samples)?;
+        // Before the camera, which stands in the middle of the points.
+        view.points()
+            .map_or(Ok(()), |points| checks::receivers(points, view.size))?;
         checks::camera(&view.camera)?;
-        view.points().map_or(Ok(()), checks::receivers)?;
         Ok(Conditions {
             view,
             ..self.clone()

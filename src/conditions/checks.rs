@@ -272,13 +272,20 @@ pub(super) fn sun(entry: &SunEntry) -> Result<()> {
     Ok(())
 }
 
-/// Checks points that receive light.
-pub(super) fn receivers(points: &[Receiver]) -> Result<()> {
+/// Checks points that receive light, and whether a picture of that size has a pixel for each.
+pub(super) fn receivers(points: &[Receiver], [width, height]: [u32; 2]) -> Result<()> {
     if points.is_empty() {
         return Err(Error::input(
             "the points",
             "there are none",
             "give at least one position and normal",
+        ));
+    }
+    if u64::from(width) * u64::from(height) < points.len() as u64 {
+        return Err(Error::input(
+            format!("the {} points", points.len()),
+            format!("a picture of {width} x {height} pixels has not one for each"),
+            "take the view as View::of_points makes it",
         ));
     }
     let bad = points.iter().position(|point| {

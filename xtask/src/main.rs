@@ -1,5 +1,6 @@
-//! Tasks of the project itself: `cargo xtask test`.
+//! Tasks of the project itself: `cargo xtask scene`, `cargo xtask same`, `cargo xtask test`.
 
+mod same;
 mod scene;
 mod test;
 
@@ -9,6 +10,8 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
+  same BINARY        compare ten pictures of another build of `tyndall` with those of this one, under both backends: nave,
+                     nave-epipolar, nave-prefiltered, nave-march, nave-planes, court, panorama, orthographic, peaks, sunward
   scene              make the built-in scene, data/nave
   test [ARGUMENTS]   set up what the tests need and run all of them; ARGUMENTS go to `cargo test`
 ";
@@ -16,6 +19,7 @@ usage: cargo xtask COMMAND
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     match arguments.next().as_deref() {
+        Some("same") => same::run(arguments.collect()),
         Some("scene") => scene::run(),
         Some("test") => test::run(arguments.collect()),
         Some("help" | "--help" | "-h") => {

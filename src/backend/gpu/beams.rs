@@ -213,7 +213,7 @@ impl Slots {
         };
         device.write(&slot.uniform, &shared::uniform(&uniform));
         if slot.drawn != Some(fitted) {
-            slot.drawn = Some(fitted);
+            slot.drawn = None;
             for k in 0..fitted.partitions {
                 maps.runs += 1;
                 let (depth, color) = &slot.views[k as usize];
@@ -234,6 +234,7 @@ impl Slots {
                 };
                 draw.submit(device, drawing.timer, drawing.number)?;
             }
+            slot.drawn = Some(fitted);
         }
         Ok(slot.ask.clone())
     }

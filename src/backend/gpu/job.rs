@@ -36,6 +36,7 @@ pub struct Lent<'j> {
     pub scene: &'j mut SceneOnDevice,
     pub store: &'j mut Store,
     pub kept: &'j Kept,
+    pub timer: &'j mut Timer,
     pub counting: bool,
 }
 
@@ -160,12 +161,14 @@ pub struct Job<'j> {
     fillings: Vec<Filling>,
     pub maps: Option<BeamMaps>,
     pub staging: Buffer,
-    pub timer: Timer,
+    pub timer: &'j mut Timer,
     /// Where shaders count what they read, if they do.
     counts: Option<Buffer>,
     /// What the CPU knows of the tile's rays, once it was asked.
     pub on_cpu: Option<Vec<Fields>>,
     pub made: Made,
+    /// Before anything was prepared.
+    before: Traffic,
 }
 
 impl<'j> Job<'j> {
@@ -177,8 +180,10 @@ impl<'j> Job<'j> {
             scene,
             store,
             kept,
+            timer,
             counting,
         } = lent;
+        let before = device.traffic();
         let compiled = pipelines.compiled;
         store.begin();
         let corners = scene
@@ -220,7 +225,7 @@ impl<'j> Job<'j> {
             ..
         } = maker;
         store.finish();
-        let timer = Timer::new(device, stages.len() + 1)?;
+        timer.begin(stages.len() + 1);
         device.check()?;
         let traced = |stage: &Stage| matches!(stage.work, Work::Camera(.., true));
         let made = Made {
@@ -257,6 +262,7 @@ impl<'j> Job<'j> {
             counts,
             on_cpu: None,
             made,
+            before,
         })
     }
 
@@ -268,7 +274,6 @@ impl<'j> Job<'j> {
         kept: &mut KeptOnDevice,
     ) -> Result<Rendered> {
         let start = Instant::now();
-        let before = self.device.traffic();
         let view = &self.plan.conditions.view;
         let size = UVec2::from(view.size);
         let mut film = match kept.is_wanted() {
@@ -328,8 +333,8 @@ impl<'j> Job<'j> {
             steps: self.steps(times.as_deref()),
             traffic: Traffic {
                 allocated: after.allocated,
-                uploaded: after.uploaded - before.uploaded,
-                downloaded: after.downloaded - before.downloaded,
+                uploaded: after.uploaded - self.before.uploaded,
+                downloaded: after.downloaded - self.before.downloaded,
             },
             refined: 0,
             made: self.made,
@@ -497,7 +502,7 @@ impl<'j> Job<'j> {
                 let over = compute.groups.unwrap_or([1, 1]);
                 dispatch(
                     self.device,
-                    &mut self.timer,
+                    self.timer,
                     index,
                     &compute.pipeline,
                     &groups,
@@ -517,7 +522,7 @@ impl<'j> Job<'j> {
                         instance: face as u32,
                         within: UVec2::splat(faces.side),
                     };
-                    draw.submit(self.device, &mut self.timer, index)?;
+                    draw.submit(self.device, self.timer, index)?;
                 }
                 Ok(())
             }
@@ -550,7 +555,7 @@ impl<'j> Job<'j> {
                 let over = compute.groups.unwrap_or(tile_groups(extent));
                 dispatch(
                     self.device,
-                    &mut self.timer,
+                    self.timer,
                     index,
                     &compute.pipeline,
                     &groups,
@@ -577,7 +582,7 @@ impl<'j> Job<'j> {
                     instance: 0,
                     within: self.tile,
                 };
-                draw.submit(self.device, &mut self.timer, index)?;
+                draw.submit(self.device, self.timer, index)?;
                 if traced {
                     self.trace_silhouettes(index, extent, rays)?;
                 }
@@ -608,7 +613,7 @@ impl<'j> Job<'j> {
                 common: &self.common,
                 corners: &self.corners,
                 triangles: self.triangles.counts(),
-                timer: &mut self.timer,
+                timer: &mut *self.timer,
                 number: self.stages.len(),
             };
             let ask = self.slots.maps_of(beam, maps, drawing)?;
@@ -628,7 +633,7 @@ impl<'j> Job<'j> {
                 stage.runs += 1;
                 let over = groups.unwrap_or(tile_groups(extent));
                 let groups = [&self.common, group, &ask];
-                dispatch(self.device, &mut self.timer, index, pipeline, &groups, over)?;
+                dispatch(self.device, self.timer, index, pipeline, &groups, over)?;
                 self.take_counts(index)?;
             }
         }

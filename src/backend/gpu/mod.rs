@@ -49,6 +49,7 @@ use job::{Job, Lent};
 use pipeline::{BUFFERS_COUNTING, Pipelines};
 use scene::SceneOnDevice;
 use store::Store;
+use timer::Timer;
 
 /// A device and all that lasts on it over plans.
 pub struct Gpu {
@@ -59,6 +60,9 @@ pub struct Gpu {
     kept: Kept,
     /// What paints sky maps, once it was needed.
     sky_maps: Option<wgpu::ComputePipeline>,
+    /// What adds tiles to pictures that stay, once it was needed.
+    adder: Option<on_device::Adder>,
+    timer: Option<Timer>,
 }
 
 impl Gpu {
@@ -70,6 +74,8 @@ impl Gpu {
             store: Store::default(),
             kept: Kept::default(),
             sky_maps: None,
+            adder: None,
+            timer: None,
             device,
         }
     }
@@ -87,7 +93,8 @@ impl Gpu {
         &self.device
     }
 
-    /// Drops what is kept of scenes and results, so that the next picture starts afresh; pipelines stay compiled.
+    /// Drops all results and shadow maps that are kept, so that the next picture makes them anew; the scene's buffers and the
+    /// pipelines stay.
     pub fn forget(&mut self) {
         if let Some(scene) = &mut self.scene {
             scene.slots.forget();
@@ -111,7 +118,7 @@ impl Gpu {
             limits,
             progress,
             false,
-            &mut on_device::Kept::new(false),
+            &mut on_device::Kept::default(),
         )
     }
 
@@ -136,7 +143,7 @@ impl Gpu {
             limits,
             progress,
             true,
-            &mut on_device::Kept::new(false),
+            &mut on_device::Kept::default(),
         )
     }
 
@@ -145,8 +152,10 @@ impl Gpu {
     /// # Errors
     /// Those of [`Gpu::render`]; [`Error::Failed`] for a picture larger than a binding of the device.
     pub fn render_on_device(&mut self, plan: &Plan, limits: &Limits) -> Result<OnDevice> {
-        let mut kept = on_device::Kept::new(true);
-        self.run(plan, limits, &|_| {}, false, &mut kept)?;
+        let mut kept = on_device::Kept::wanted(self.adder.take());
+        let rendered = self.run(plan, limits, &|_| {}, false, &mut kept);
+        self.adder = kept.adder.take();
+        rendered?;
         kept.into_picture().ok_or_else(|| {
             Error::failed(
                 "the picture has no pixels",
@@ -177,6 +186,8 @@ impl Gpu {
         kept: &mut on_device::Kept,
     ) -> Result<Rendered> {
         let conditions = plan.conditions;
+        // What a rendering that was stopped has made is not made for this one.
+        self.kept.take_made();
         let mut loaded = false;
         match &mut self.scene {
             Some(scene) if scene.is_of(conditions) => scene.follow(conditions),
@@ -186,12 +197,17 @@ impl Gpu {
             }
         }
         let scene = self.scene.as_mut().expect("it was just put there");
+        let timer = match &mut self.timer {
+            Some(timer) => timer,
+            none => none.insert(Timer::new(&self.device, 0)?),
+        };
         let lent = Lent {
             device: &self.device,
             pipelines: &mut self.pipelines,
             scene,
             store: &mut self.store,
             kept: &self.kept,
+            timer,
             counting,
         };
         let mut rendered = Job::new(plan, lent)?.render(limits, progress, kept)?;

@@ -18,11 +18,20 @@ pub struct OnDevice {
     pub height: u32,
 }
 
+/// What adds a share of a layer to a picture, and where that is told its place.
+#[derive(Clone)]
+pub struct Adder {
+    pipeline: ComputePipeline,
+    place: Buffer,
+}
+
 /// Whether a picture is to stay on the device, and where it grows.
+#[derive(Default)]
 pub struct Kept {
     wanted: bool,
     picture: Option<OnDevice>,
-    pipeline: Option<(ComputePipeline, Buffer)>,
+    /// Made when it is first needed.
+    pub adder: Option<Adder>,
 }
 
 /// Adds a share of one layer of a tile to the picture.
@@ -48,11 +57,12 @@ fn add(@builtin(global_invocation_id) id: vec3u) {
 ";
 
 impl Kept {
-    pub fn new(wanted: bool) -> Self {
+    /// A picture that stays, with what added up the one before.
+    pub fn wanted(adder: Option<Adder>) -> Self {
         Kept {
-            wanted,
+            wanted: true,
             picture: None,
-            pipeline: None,
+            adder,
         }
     }
 
@@ -64,8 +74,8 @@ impl Kept {
         self.picture
     }
 
-    fn pipeline(&mut self, device: &Device) -> Result<(ComputePipeline, Buffer)> {
-        if let Some(made) = &self.pipeline {
+    fn adder(&mut self, device: &Device) -> Result<Adder> {
+        if let Some(made) = &self.adder {
             return Ok(made.clone());
         }
         let module = device.device.create_shader_module(ShaderModuleDescriptor {
@@ -84,7 +94,7 @@ impl Kept {
             });
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let place = device.buffer("the tile's place", 32, usage)?;
-        Ok(self.pipeline.insert((pipeline, place)).clone())
+        Ok(self.adder.insert(Adder { pipeline, place }).clone())
     }
 
     /// Adds a share of the layers of a tile, which lies at a pixel and has an extent, to a picture of that size.
@@ -106,7 +116,7 @@ impl Kept {
                 height,
             });
         }
-        let (pipeline, place) = self.pipeline(device)?;
+        let Adder { pipeline, place } = self.adder(device)?;
         let words = [
             corner.x,
             corner.y,

@@ -60,6 +60,12 @@ impl Timer {
         })
     }
 
+    /// Begins anew, for passes of numbers below `count`; what was not taken is dropped.
+    pub fn begin(&mut self, count: usize) {
+        self.pending.clear();
+        self.totals = vec![Duration::ZERO; count];
+    }
+
     /// The queries of the next pass.
     fn next(&mut self, device: &Device, number: usize) -> Result<Option<(&QuerySet, u32)>> {
         if let Clock::Wall(begun) = &mut self.clock {
