@@ -80,7 +80,8 @@ fn phase_value(medium: Medium, one_minus_mu: f32) -> f32 {
         case DRAINE: {
             let g = medium.g_draine;
             let draine = henyey_greenstein(g, one_minus_mu) * (1.0 + medium.a * mu * mu) / (1.0 + medium.a * (1.0 + 2.0 * g * g) / 3.0);
-            return mix(henyey_greenstein(medium.g, one_minus_mu), draine, medium.weight);
+            // Written out: some drivers take x + w (y - x) for a mix, which loses what is small beside what has no weight.
+            return (1.0 - medium.weight) * henyey_greenstein(medium.g, one_minus_mu) + medium.weight * draine;
         }
         case NISHITA_HAZY: { return (1.0 + 9.0 * half8) / (8.0 * PI); }
         default: { return 33.0 / (332.0 * PI) * (1.0 + 50.0 * half16 * half16); }
