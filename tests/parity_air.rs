@@ -63,7 +63,7 @@ fn picture(frame: &Frame) -> Vec<f64> {
 }
 
 /// Mountains 30 km across under the real sun of a low elevation, in the clear air.
-fn mountains(elevation_deg: f64) -> View {
+fn mountains(elevation_deg: f64) -> StudyView {
     let mut view = hills();
     view.name = "mountains in the clear air";
     for p in &mut view.scene.mesh.positions {

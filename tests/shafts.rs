@@ -393,7 +393,7 @@ fn pictures_depend_on_neither_units_nor_origin_nor_repetition() {
     if !common::gpu(test) {
         return;
     }
-    let picture = |view: &View| {
+    let picture = |view: &StudyView| {
         by_gpu(
             &view.conditions([128, 96]).expect("sound"),
             Method::Rectified,
@@ -649,7 +649,7 @@ fn trees_enclose_their_leaves_and_give_what_every_column_gives() {
         let phase = Phase::HenyeyGreenstein { g: 0.3 };
         scene.media = vec![fog(Shape::Box { min, max }, 0.2, 0.05, phase)];
         let camera = Camera::look_at(DVec3::new(0.3, 0.2, 3.0), DVec3::ZERO, 50f64.to_radians());
-        let view = View {
+        let view = StudyView {
             name: "soup",
             scene,
             camera,

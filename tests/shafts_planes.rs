@@ -12,7 +12,7 @@ use tyndall::effect::{Field, Method};
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{Camera, Projection};
-use tyndall::studies::scenes::{View, antisolar, colonnade, fog, gates, slats};
+use tyndall::studies::scenes::{StudyView, antisolar, colonnade, fog, gates, slats};
 use tyndall::units::DEG;
 
 const SIZE: [u32; 2] = [48, 32];
@@ -69,7 +69,7 @@ fn ratio(a: &[DVec3], b: &[DVec3]) -> f64 {
 }
 
 /// A box of fog before the eye, seen whole or in part; nothing casts a shadow on it.
-fn fog_box(half: f64, phase: Phase) -> View {
+fn fog_box(half: f64, phase: Phase) -> StudyView {
     // A post far aside: a scene has something in it.
     let post = cuboid(DVec3::new(60.0, 0.0, 60.0), DVec3::new(60.1, 0.5, 60.1));
     let mut scene = scene(&post, 40.0, 35.0);
@@ -78,14 +78,14 @@ fn fog_box(half: f64, phase: Phase) -> View {
         max: DVec3::new(half, half, -8.0),
     };
     scene.media = vec![fog(shape, 0.06, 0.02, phase)];
-    View {
+    StudyView {
         name: "fog box",
         scene,
         camera: Camera::look_at(DVec3::ZERO, DVec3::new(0.0, 0.0, -10.0), 50.0 * DEG),
     }
 }
 
-fn seen(view: &View, size: [u32; 2]) -> Conditions {
+fn seen(view: &StudyView, size: [u32; 2]) -> Conditions {
     conditions(view.scene.clone(), view.camera, size)
 }
 
@@ -118,7 +118,7 @@ fn the_number_of_planes_does_not_change_the_energy() {
     if !gpu("the_number_of_planes_does_not_change_the_energy") {
         return;
     }
-    let ratios = |view: &View, counts: &[f64]| -> Vec<f64> {
+    let ratios = |view: &StudyView, counts: &[f64]| -> Vec<f64> {
         let conditions = seen(view, SIZE);
         let truth = by_reference(&conditions);
         let found = counts

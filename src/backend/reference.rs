@@ -61,7 +61,7 @@ struct Prepared<'a> {
 
 /// Which effects are run on a ray.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Extent {
+enum Rerun {
     All,
     /// All but those that only make the air's own light.
     WithoutAir,
@@ -105,10 +105,10 @@ impl<'a> Reference<'a> {
 
     /// Takes rays through positions of the picture [pixels]; each belongs to the pixel that is named.
     pub fn trace(&self, positions: &[(UVec2, DVec2)]) -> Vec<Sample> {
-        self.trace_with(positions, Extent::All)
+        self.trace_with(positions, Rerun::All)
     }
 
-    fn trace_with(&self, positions: &[(UVec2, DVec2)], extent: Extent) -> Vec<Sample> {
+    fn trace_with(&self, positions: &[(UVec2, DVec2)], rerun: Rerun) -> Vec<Sample> {
         let conditions = self.plan.conditions;
         let rays = positions
             .iter()
@@ -117,7 +117,7 @@ impl<'a> Reference<'a> {
         let pixels = positions.iter().map(|(pixel, _)| *pixel).collect();
         let mut fields = Fields::new(rays, pixels, &self.written);
         for step in &self.steps {
-            if extent == Extent::WithoutAir && only_air(step.effect) {
+            if rerun == Rerun::WithoutAir && only_air(step.effect) {
                 continue;
             }
             let start = Instant::now();
@@ -155,7 +155,7 @@ impl<'a> Reference<'a> {
         pixels
             .par_chunks(16)
             .flat_map_iter(|chunk| {
-                let whole: Vec<_> = chunk.iter().map(|p| (*p, Extent::All)).collect();
+                let whole: Vec<_> = chunk.iter().map(|p| (*p, Rerun::All)).collect();
                 self.means(&whole, &offsets)
             })
             .collect()
@@ -198,7 +198,7 @@ impl<'a> Reference<'a> {
                 .collect();
             let found = self.pixels(&band);
             for (pixel, sample) in band.iter().zip(&found) {
-                put(&mut film, *pixel, &sample.values, Extent::All);
+                put(&mut film, *pixel, &sample.values, Rerun::All);
                 let surface = &sample.surface;
                 let distance = (surface.distance as f32).min(NO_HIT);
                 film.set_surface(*pixel, distance, surface.normal.as_vec3());
@@ -218,8 +218,8 @@ impl<'a> Reference<'a> {
                     .par_chunks(16)
                     .flat_map_iter(|edges| self.means(edges, &offsets))
                     .collect();
-                for ((pixel, extent), mean) in chunk.iter().zip(&means) {
-                    put(&mut film, *pixel, mean, *extent);
+                for ((pixel, rerun), mean) in chunk.iter().zip(&means) {
+                    put(&mut film, *pixel, mean, *rerun);
                 }
                 let done = (part * 4096 + chunk.len()) as f64 / edges.len() as f64;
                 progress(first_share + (1.0 - first_share) * done);
@@ -236,16 +236,16 @@ impl<'a> Reference<'a> {
     }
 
     /// The means over `offsets` of the fields of each pixel.
-    fn means(&self, edges: &[(UVec2, Extent)], offsets: &[DVec2]) -> Vec<Values> {
+    fn means(&self, edges: &[(UVec2, Rerun)], offsets: &[DVec2]) -> Vec<Values> {
         edges
             .iter()
-            .map(|(pixel, extent)| {
+            .map(|(pixel, rerun)| {
                 let positions: Vec<_> = offsets
                     .iter()
                     .map(|offset| (*pixel, pixel.as_dvec2() + *offset))
                     .collect();
                 let mut mean = [DVec3::ZERO; Field::COUNT];
-                for sample in self.trace_with(&positions, *extent) {
+                for sample in self.trace_with(&positions, *rerun) {
                     for (m, v) in mean.iter_mut().zip(&sample.values) {
                         *m += v / offsets.len() as f64;
                     }
@@ -257,9 +257,9 @@ impl<'a> Reference<'a> {
 }
 
 /// Puts the values of a pixel into the picture, those of the air's own light only where they were made.
-fn put(film: &mut Film, pixel: UVec2, values: &Values, extent: Extent) {
+fn put(film: &mut Film, pixel: UVec2, values: &Values, rerun: Rerun) {
     for field in Field::ALL {
-        if extent == Extent::All || field.part() != Part::Air {
+        if rerun == Rerun::All || field.part() != Part::Air {
             film.set(field, pixel, values[field as usize].as_vec3());
         }
     }
@@ -324,8 +324,8 @@ pub fn spread(size: [u32; 2], count: usize) -> Vec<UVec2> {
     }
     (0..count)
         .map(|i| {
-            let at = |power: f64, extent: f64| {
-                ((0.5 + i as f64 / power).fract() * extent).min(extent - 1.0) as u32
+            let at = |power: f64, rerun: f64| {
+                ((0.5 + i as f64 / power).fract() * rerun).min(rerun - 1.0) as u32
             };
             UVec2::new(at(PLASTIC, w), at(PLASTIC * PLASTIC, h))
         })
@@ -343,7 +343,7 @@ fn only_air(effect: &Effect) -> bool {
 }
 
 /// The pixels whose colour differs from one of their eight neighbours', and what must be resampled there.
-fn edges(frame: &Frame) -> Vec<(UVec2, Extent)> {
+fn edges(frame: &Frame) -> Vec<(UVec2, Rerun)> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let is_air =
         |layer: &&Layer| Field::named(layer.name).is_some_and(|field| field.part() == Part::Air);
@@ -368,14 +368,14 @@ fn edges(frame: &Frame) -> Vec<(UVec2, Extent)> {
         .into_par_iter()
         .filter_map(|i| {
             let (x, y) = (i % width, i / width);
-            let extent = if around(x, y).any(|j| differs(&air, AIR_CONTRAST, i, j)) {
-                Extent::All
+            let rerun = if around(x, y).any(|j| differs(&air, AIR_CONTRAST, i, j)) {
+                Rerun::All
             } else if around(x, y).any(|j| differs(&picture, CONTRAST, i, j)) {
-                Extent::WithoutAir
+                Rerun::WithoutAir
             } else {
                 return None;
             };
-            Some((UVec2::new(x as u32, y as u32), extent))
+            Some((UVec2::new(x as u32, y as u32), rerun))
         })
         .collect()
 }

@@ -24,7 +24,7 @@ pub const NAMES: [&str; 9] = [
 ];
 
 /// The view of a name; `None` for another than those of [`NAMES`].
-pub fn named(name: &str) -> Option<View> {
+pub fn named(name: &str) -> Option<StudyView> {
     Some(match name {
         "slats" => slats(1.0),
         "colonnade" => colonnade(),
@@ -123,7 +123,7 @@ pub fn fog(shape: Shape, scattering: f64, absorption: f64, phase: Phase) -> Medi
 
 /// A scene that is seen by a camera, from which a test can move sun and camera.
 #[derive(Debug, Clone)]
-pub struct View {
+pub struct StudyView {
     /// Its name in tables.
     pub name: &'static str,
     /// The scene.
@@ -132,7 +132,7 @@ pub struct View {
     pub camera: Camera,
 }
 
-impl View {
+impl StudyView {
     /// What physics makes of it, one ray through each pixel's centre.
     ///
     /// # Errors
@@ -149,7 +149,7 @@ impl View {
 }
 
 /// Fog under slats, between walls.
-pub fn slats(scale: f64) -> View {
+pub fn slats(scale: f64) -> StudyView {
     let at = |x: f64, y: f64, z: f64| scale * DVec3::new(x, y, z);
     let mut triangles = Vec::new();
     for i in 0..14 {
@@ -169,7 +169,7 @@ pub fn slats(scale: f64) -> View {
         0.01 / scale,
         Phase::HenyeyGreenstein { g: 0.5 },
     )];
-    View {
+    StudyView {
         name: "slats",
         scene,
         camera: Camera::look_at(at(0.5, 1.5, 4.5), at(0.0, 1.6, -5.0), 60.0 * DEG),
@@ -177,7 +177,7 @@ pub fn slats(scale: f64) -> View {
 }
 
 /// Columns between the eye and a low sun.
-pub fn colonnade() -> View {
+pub fn colonnade() -> StudyView {
     let mut triangles = Vec::new();
     for i in 0..9 {
         let x = -10.0 + 2.5 * f64::from(i);
@@ -198,7 +198,7 @@ pub fn colonnade() -> View {
         0.002,
         Phase::HenyeyGreenstein { g: 0.7 },
     )];
-    View {
+    StudyView {
         name: "colonnade",
         scene,
         camera: Camera::look_at(
@@ -210,7 +210,7 @@ pub fn colonnade() -> View {
 }
 
 /// Hills under a low sun, in air that thins with height.
-pub fn hills() -> View {
+pub fn hills() -> StudyView {
     let cells = 60;
     let point = |x: usize, z: usize| {
         let (u, v) = (x as f64 / cells as f64, z as f64 / cells as f64);
@@ -241,7 +241,7 @@ pub fn hills() -> View {
         1e-4,
         Phase::CornetteShanks { g: 0.6 },
     )];
-    View {
+    StudyView {
         name: "hills",
         scene,
         camera: Camera::look_at(
@@ -253,7 +253,7 @@ pub fn hills() -> View {
 }
 
 /// The sun itself in the picture, and the sky around it.
-pub fn into_the_sun() -> View {
+pub fn into_the_sun() -> StudyView {
     let mut view = colonnade();
     view.name = "into the sun";
     view.scene.sun = Some(SunEntry {
@@ -277,7 +277,7 @@ pub fn into_the_sun() -> View {
 }
 
 /// A closed room whose wall at x = 4 has one upright slit of 0.3, full of haze.
-pub fn slit() -> View {
+pub fn slit() -> StudyView {
     let mut triangles = Vec::new();
     let slab = |z0: f64, z1: f64, y0: f64, y1: f64| {
         cuboid(DVec3::new(3.9, y0, z0), DVec3::new(4.1, y1, z1))
@@ -304,7 +304,7 @@ pub fn slit() -> View {
         DVec3::new(-3.9, 0.0, -4.9),
         DVec3::new(3.9, 4.0, 4.9),
     )];
-    View {
+    StudyView {
         name: "slit",
         scene,
         camera: Camera::look_at(
@@ -321,7 +321,7 @@ fn room_fog(min: DVec3, max: DVec3) -> Medium {
 }
 
 /// Walls one behind the other, each with a gate, under a low sun from the side: a ray crosses several shadows.
-pub fn gates() -> View {
+pub fn gates() -> StudyView {
     let mut triangles = Vec::new();
     for i in 0..6 {
         let z = -4.0 * f64::from(i);
@@ -344,7 +344,7 @@ pub fn gates() -> View {
         0.003,
         Phase::HenyeyGreenstein { g: 0.6 },
     )];
-    View {
+    StudyView {
         name: "gates",
         scene,
         camera: Camera::look_at(
@@ -368,7 +368,7 @@ fn spread(i: u32, which: usize) -> f64 {
 }
 
 /// A wood in the morning: trunks, and leaves that are holes in cards (alpha-masked), `cards` of them.
-pub fn forest(cards: u32) -> View {
+pub fn forest(cards: u32) -> StudyView {
     let mut triangles = Vec::new();
     for i in 0..40 {
         let (x, z) = (30.0 * spread(i, 0) - 15.0, 34.0 * spread(i, 1) - 30.0);
@@ -421,7 +421,7 @@ pub fn forest(cards: u32) -> View {
         0.002,
         Phase::HenyeyGreenstein { g: 0.6 },
     )];
-    View {
+    StudyView {
         name: "forest",
         scene,
         camera: Camera::look_at(
@@ -463,7 +463,7 @@ fn leaves(side: u32) -> Texture {
 }
 
 /// Mountains, 50 km deep, under a low sun, in air that thins with height.
-pub fn mountains() -> View {
+pub fn mountains() -> StudyView {
     let cells = 240;
     let point = |x: usize, z: usize| {
         let (u, v) = (x as f64 / cells as f64, z as f64 / cells as f64);
@@ -497,7 +497,7 @@ pub fn mountains() -> View {
         4e-6,
         Phase::HenyeyGreenstein { g: 0.6 },
     )];
-    View {
+    StudyView {
         name: "mountains",
         scene,
         camera: Camera::look_at(
@@ -509,7 +509,7 @@ pub fn mountains() -> View {
 }
 
 /// The sun behind the eye: shadows of a fence run together before it.
-pub fn antisolar() -> View {
+pub fn antisolar() -> StudyView {
     let mut triangles = Vec::new();
     for i in 0..13 {
         let x = -9.0 + 1.5 * f64::from(i);
@@ -529,7 +529,7 @@ pub fn antisolar() -> View {
         0.002,
         Phase::Rayleigh,
     )];
-    View {
+    StudyView {
         name: "antisolar",
         scene,
         camera: Camera::look_at(
@@ -542,7 +542,7 @@ pub fn antisolar() -> View {
 
 /// A slit 3 m wide, 500 m sunward of a box of fog, under the real sun's disc without limb darkening: what the disc's edge
 /// looks like in the air.
-pub fn far_slit() -> View {
+pub fn far_slit() -> StudyView {
     let sun = (90.0, 5.0);
     let mut triangles = Vec::new();
     for (z0, z1) in [(-60.0, -1.5), (1.5, 60.0)] {
@@ -565,7 +565,7 @@ pub fn far_slit() -> View {
         0.0,
         Phase::Isotropic,
     )];
-    View {
+    StudyView {
         name: "far slit",
         scene,
         // From above, along the slit: each column of pixels is one place across it.

@@ -15,7 +15,7 @@ pub const EXACT: [Method; 2] = [Method::Rectified, Method::Epipolar];
 pub const HAZY: Phase = Phase::HenyeyGreenstein { g: 0.4 };
 
 /// A view of air under a sun of azimuth and elevation [deg], with triangles in it or with none that matters.
-pub fn view(triangles: &[Corners], sun: [f64; 2], air: Medium, camera: Camera) -> View {
+pub fn view(triangles: &[Corners], sun: [f64; 2], air: Medium, camera: Camera) -> StudyView {
     // A scene has something in it.
     let low = DVec3::new(0.0, -500.0, 0.0);
     let speck = [[low, low + 1e-3 * DVec3::X, low + 1e-3 * DVec3::Z]];
@@ -26,7 +26,7 @@ pub fn view(triangles: &[Corners], sun: [f64; 2], air: Medium, camera: Camera) -
     };
     let mut scene = scene(triangles, sun[0], sun[1]);
     scene.media = vec![air];
-    View {
+    StudyView {
         name: "made in the test",
         scene,
         camera,
@@ -34,7 +34,7 @@ pub fn view(triangles: &[Corners], sun: [f64; 2], air: Medium, camera: Camera) -
 }
 
 /// A fence along the view, 24 m of it: pickets every `period` [m] that leave open a share of it.
-pub fn fence(period: f64, share: f64) -> View {
+pub fn fence(period: f64, share: f64) -> StudyView {
     let picket = |i: u32| {
         quad(
             DVec3::new(6.0, -20.0, 2.0 - period * f64::from(i)),

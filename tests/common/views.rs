@@ -8,6 +8,6 @@ pub use tyndall::studies::scenes::*;
 pub const SIZE: [u32; 2] = [96, 64];
 
 /// The conditions of a view at that size.
-pub fn at_size(view: &View) -> Conditions {
+pub fn at_size(view: &StudyView) -> Conditions {
     build::conditions(view.scene.clone(), view.camera, SIZE)
 }

@@ -128,7 +128,7 @@ fn mebibytes(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tyndall::backend::gpu::adapters::{AdapterKind, Limits};
+    use tyndall::backend::gpu::adapters::{AdapterKind, AdapterLimits};
 
     #[test]
     fn the_table_tells_what_was_found() {
@@ -137,7 +137,7 @@ mod tests {
             kind: AdapterKind::Discrete,
             backend: "vulkan".into(),
             driver: "maker 1.2".into(),
-            limits: Limits {
+            limits: AdapterLimits {
                 texture_side: 16384,
                 texture_layers: 2048,
                 buffer_bytes: u64::MAX,

@@ -28,7 +28,7 @@ pub struct Adapter {
     /// Name and version of its driver.
     pub driver: String,
     /// How much of everything it takes.
-    pub limits: Limits,
+    pub limits: AdapterLimits,
     /// Whether it has a clock of its own, by which passes are timed; software is timed by the wall clock.
     pub timestamps: bool,
     /// Whether casters behind the near plane of a shadow map can be kept.
@@ -53,7 +53,7 @@ pub enum AdapterKind {
 
 /// The limits of an adapter that decide how large a picture fits and how it must be cut.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Limits {
+pub struct AdapterLimits {
     /// Side of a 2D texture [texels].
     pub texture_side: u32,
     /// Layers of a texture array.
@@ -156,7 +156,7 @@ pub(super) fn describe(handle: &Handle) -> Adapter {
         },
         backend: info.backend.to_str().to_owned(),
         driver: driver.trim().to_owned(),
-        limits: Limits {
+        limits: AdapterLimits {
             texture_side: limits.max_texture_dimension_2d,
             texture_layers: limits.max_texture_array_layers,
             buffer_bytes: limits.max_buffer_size,

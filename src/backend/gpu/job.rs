@@ -3,7 +3,7 @@
 use super::beams::{BeamMaps, Drawing, Slots};
 use super::device::Device;
 use super::draw::{Draw, dispatch, numbers_pitch, tile_groups};
-use super::on_device::Kept as KeptOnDevice;
+use super::on_device::Growing;
 use super::pipeline::Pipelines;
 use super::prepare::{Compute, Filling, Maker, Stage, Target, Work, is_needed};
 use super::scene::{Plane, SceneOnDevice, Triangles, media};
@@ -271,7 +271,7 @@ impl<'j> Job<'j> {
         mut self,
         limits: &Limits,
         progress: Progress,
-        kept: &mut KeptOnDevice,
+        kept: &mut Growing,
     ) -> Result<Rendered> {
         let start = Instant::now();
         let view = &self.plan.conditions.view;

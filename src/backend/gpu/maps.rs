@@ -54,7 +54,7 @@ impl Window {
 }
 
 /// What a partition covers across the light, and the depth in its middle [m].
-struct Part {
+struct Covered {
     window: Window,
     depth: f64,
 }
@@ -233,7 +233,7 @@ fn views(
     place: impl Fn(DVec3) -> DVec2,
     (low, high): (DVec3, DVec3),
     settings: &MapSettings,
-) -> Vec<Part> {
+) -> Vec<Covered> {
     let eye = conditions.view.camera.eye;
     let corners = (0..8).map(|i| {
         let pick = |bit: usize, a: f64, b: f64| if i & bit == 0 { a } else { b };
@@ -256,7 +256,7 @@ fn views(
                 } else {
                     pair[1]
                 };
-                Part {
+                Covered {
                     window: Window {
                         min: place(eye) - reach,
                         max: place(eye) + reach,
@@ -284,7 +284,7 @@ fn views(
     });
     if farthest <= 0.0 {
         // All is behind the eye; what shades the view comes from there.
-        return vec![Part {
+        return vec![Covered {
             window: cone,
             depth: 0.5 * nearest.abs(),
         }];
@@ -300,7 +300,7 @@ fn views(
     splits
         .windows(2)
         .zip(1..)
-        .map(|(pair, i)| Part {
+        .map(|(pair, i)| Covered {
             window: if i == settings.partitions {
                 cone
             } else {

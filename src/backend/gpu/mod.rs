@@ -118,7 +118,7 @@ impl Gpu {
             limits,
             progress,
             false,
-            &mut on_device::Kept::default(),
+            &mut on_device::Growing::default(),
         )
     }
 
@@ -143,7 +143,7 @@ impl Gpu {
             limits,
             progress,
             true,
-            &mut on_device::Kept::default(),
+            &mut on_device::Growing::default(),
         )
     }
 
@@ -152,7 +152,7 @@ impl Gpu {
     /// # Errors
     /// Those of [`Gpu::render`]; [`Error::Failed`] for a picture larger than a binding of the device.
     pub fn render_on_device(&mut self, plan: &Plan, limits: &Limits) -> Result<OnDevice> {
-        let mut kept = on_device::Kept::wanted(self.adder.take());
+        let mut kept = on_device::Growing::wanted(self.adder.take());
         let rendered = self.run(plan, limits, &|_| {}, false, &mut kept);
         self.adder = kept.adder.take();
         rendered?;
@@ -183,7 +183,7 @@ impl Gpu {
         limits: &Limits,
         progress: Progress,
         counting: bool,
-        kept: &mut on_device::Kept,
+        kept: &mut on_device::Growing,
     ) -> Result<Rendered> {
         let conditions = plan.conditions;
         // What a rendering that was stopped has made is not made for this one.

@@ -27,7 +27,7 @@ pub struct Adder {
 
 /// Whether a picture is to stay on the device, and where it grows.
 #[derive(Default)]
-pub struct Kept {
+pub struct Growing {
     wanted: bool,
     picture: Option<OnDevice>,
     /// Made when it is first needed.
@@ -56,10 +56,10 @@ fn add(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
-impl Kept {
+impl Growing {
     /// A picture that stays, with what added up the one before.
     pub fn wanted(adder: Option<Adder>) -> Self {
-        Kept {
+        Growing {
             wanted: true,
             picture: None,
             adder,
