@@ -268,9 +268,10 @@ fn homogeneous(origin: vec3f, direction: vec3f, a: f32, b: f32, toward: vec3f, o
         let last = length_inside(medium, origin + (a + 0.75 * length) * direction, toward, FARTHEST);
         let slope = (last - first) / (0.5 * length);
         let eye = length_inside(medium, origin, direction, a);
-        // What is left of the difference below its rounding is nothing: dense media would make much of it.
+        // What is left of a difference below its rounding is nothing: dense media would make much of it. Divisions may be off by some
+        // digits, and not alike in two places.
         let start = first - 0.25 * length * slope;
-        piece.depth += medium.extinction * (eye + select(start, 0.0, start < 5e-7 * max(first, last)));
+        piece.depth += medium.extinction * (select(eye, 0.0, eye < 5e-7 * a) + select(start, 0.0, start < 5e-7 * max(first, last)));
         piece.slope += medium.extinction * slope;
         if inside(medium, origin + (a + 0.5 * length) * direction) {
             piece.slope += medium.extinction;
