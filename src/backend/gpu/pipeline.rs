@@ -20,11 +20,28 @@ pub struct Pipelines {
     pub beam: BindGroupLayout,
     /// A beam and its maps: to ask them.
     pub lit: BindGroupLayout,
-    /// By name, text and whether reads are counted.
-    compute: HashMap<(String, String, bool), (ComputePipeline, BindGroupLayout)>,
-    raster: HashMap<(String, String, bool), (Raster, BindGroupLayout)>,
+    compute: HashMap<Key, (ComputePipeline, BindGroupLayout)>,
+    raster: HashMap<Key, (Raster, BindGroupLayout)>,
     /// How many were compiled so far.
     pub compiled: usize,
+}
+
+/// What decides how a pipeline comes out.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Key {
+    label: String,
+    text: String,
+    counting: bool,
+    beams: Option<Beams>,
+}
+
+/// What a pass sees of beams.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Beams {
+    /// One that it draws the maps of.
+    Drawn,
+    /// One whose maps it asks.
+    Asked,
 }
 
 /// The pipelines of a raster pass.
@@ -114,6 +131,29 @@ fn own_entries(effect: &Effect, pass: &Pass) -> Vec<BindGroupLayoutEntry> {
         .collect()
 }
 
+fn beams(pass: &Pass) -> Option<Beams> {
+    match (pass.when, pass.over) {
+        (When::EachBeam(_), _) => Some(Beams::Asked),
+        (_, Over::Raster(RasterView::Beam(_))) => Some(Beams::Drawn),
+        _ => None,
+    }
+}
+
+fn key(what: &Compile) -> Key {
+    Key {
+        label: format!("{}.{}", what.effect.name, what.pass.entry),
+        text: shader_text(
+            what.effect,
+            what.pass,
+            what.conditions,
+            what.settings,
+            what.counting,
+        ),
+        counting: what.counting,
+        beams: beams(what.pass),
+    }
+}
+
 impl Pipelines {
     pub fn new(device: &Device) -> Self {
         let layout = |label, entries: &[BindGroupLayoutEntry]| {
@@ -159,11 +199,10 @@ impl Pipelines {
     }
 
     fn layout(&self, what: &Compile, label: &str, own: &BindGroupLayout) -> PipelineLayout {
-        let third = match (what.pass.when, what.pass.over) {
-            (When::EachBeam(_), _) => Some(&self.lit),
-            (_, Over::Raster(RasterView::Beam(_))) => Some(&self.beam),
-            _ => None,
-        };
+        let third = beams(what.pass).map(|beams| match beams {
+            Beams::Drawn => &self.beam,
+            Beams::Asked => &self.lit,
+        });
         let mut groups = vec![Some(self.common(what.counting)), Some(own)];
         groups.extend(third.map(Some));
         let device = &what.device.device;
@@ -192,24 +231,16 @@ impl Pipelines {
 
     /// A compute pass, compiled unless it has been, and the layout of its own bind group.
     pub fn compute(&mut self, what: &Compile) -> (ComputePipeline, BindGroupLayout) {
-        let label = format!("{}.{}", what.effect.name, what.pass.entry);
-        let text = shader_text(
-            what.effect,
-            what.pass,
-            what.conditions,
-            what.settings,
-            what.counting,
-        );
-        let key = (label.clone(), text, what.counting);
+        let key = key(what);
         if let Some(known) = self.compute.get(&key) {
             return known.clone();
         }
         let own = Self::own(what);
         let device = &what.device.device;
         let pipeline = device.create_compute_pipeline(&ComputePipelineDescriptor {
-            label: Some(&label),
-            layout: Some(&self.layout(what, &label, &own)),
-            module: &Self::module(what, &label, &key.1),
+            label: Some(&key.label),
+            layout: Some(&self.layout(what, &key.label, &own)),
+            module: &Self::module(what, &key.label, &key.text),
             entry_point: Some(what.pass.entry),
             compilation_options: Default::default(),
             cache: None,
@@ -222,23 +253,15 @@ impl Pipelines {
 
     /// A raster pass, compiled unless it has been, and the layout of its own bind group.
     pub fn raster(&mut self, what: &Compile, holes: bool) -> (Raster, BindGroupLayout) {
-        let label = format!("{}.{}", what.effect.name, what.pass.entry);
-        let text = shader_text(
-            what.effect,
-            what.pass,
-            what.conditions,
-            what.settings,
-            what.counting,
-        );
-        let key = (label.clone(), text, what.counting);
+        let key = key(what);
         if let Some(known) = self.raster.get(&key)
             && (known.0.cut_out.is_some() || !holes)
         {
             return known.clone();
         }
         let own = Self::own(what);
-        let module = Self::module(what, &label, &key.1);
-        let layout = self.layout(what, &label, &own);
+        let module = Self::module(what, &key.label, &key.text);
+        let layout = self.layout(what, &key.label, &own);
         let targets = [Some(ColorTargetState {
             format: TextureFormat::R32Uint,
             blend: None,
@@ -255,7 +278,7 @@ impl Pipelines {
             self.compiled += 1;
             let device = &what.device.device;
             device.create_render_pipeline(&RenderPipelineDescriptor {
-                label: Some(&label),
+                label: Some(&key.label),
                 layout: Some(&layout),
                 vertex: VertexState {
                     module: &module,

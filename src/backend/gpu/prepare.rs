@@ -8,6 +8,7 @@ use super::scene::SceneOnDevice;
 use super::schedule::{Schedule, Touched};
 use super::source::knob_bytes;
 use super::store::Store;
+use super::tile::Target;
 use crate::effect::{
     Batch, Effect, Extent, Field, Kept, Life, Loop, MapSettings, Over, Pass, RasterView, Resource,
     Settings, When,
@@ -66,13 +67,6 @@ pub struct Filling {
     pub effect: &'static Effect,
     pub stages: Vec<usize>,
     pub until: Option<(&'static Loop, Vec<(&'static str, f64)>)>,
-}
-
-/// A field of a tile.
-pub struct Target {
-    pub field: Field,
-    pub buffer: Buffer,
-    pub bytes: u64,
 }
 
 /// Makes what the passes of a plan name.
