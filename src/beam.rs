@@ -5,6 +5,9 @@
 
 use glam::DVec3;
 
+/// No place is nearer to a local beam than a micrometre [m2].
+const NEAREST: f64 = 1e-12;
+
 /// Light from one direction or one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Beam {
@@ -63,8 +66,8 @@ impl Beam {
         }
     }
 
-    /// Illuminance on a plane that faces the light, without shadow and media [lx, RGB]. Nearer to a local beam than its radius it
-    /// does not grow any more.
+    /// Illuminance on a plane that faces the light, without shadow and media [lx, RGB]. Nearer to a local beam than its radius (a
+    /// micrometre for a point) it does not grow any more.
     pub fn illuminance_at(&self, point: DVec3) -> DVec3 {
         match *self {
             Beam::Parallel { illuminance, .. } => illuminance,
@@ -74,7 +77,7 @@ impl Beam {
                 radius,
             } => {
                 let square = position.distance_squared(point).max(radius * radius);
-                intensity / square.max(f64::MIN_POSITIVE)
+                intensity / square.max(NEAREST)
             }
         }
     }
@@ -105,6 +108,7 @@ mod tests {
         }
         // At the lamp itself everything is finite.
         assert!(lamp.toward_from(far * toward).is_finite());
-        assert!(lamp.illuminance_at(far * toward).x > 0.0);
+        let there = lamp.illuminance_at(far * toward);
+        assert!(there.is_finite() && there.x > 0.0);
     }
 }

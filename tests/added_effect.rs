@@ -12,7 +12,8 @@ use tyndall::backend::reference::Reference;
 use tyndall::backend::{Limits, Rendered};
 use tyndall::conditions::{Conditions, Input};
 use tyndall::effect::{
-    ALL, Contribution, Decision, Effect, Field, Knob, Number, Over, Pass, Product, Resource, When,
+    ALL, Contribution, Decision, Effect, Field, Knob, Loop, Number, Over, Pass, Product,
+    RasterView, Resource, When,
 };
 use tyndall::plan::{Overrules, Plan, Quality};
 
@@ -187,6 +188,45 @@ fn what_does_not_fit_is_refused() {
             ..pass(SOUND)
         },
     ]);
+    // Lives longer than the pass that makes it runs.
+    const LONG: Effect = effect(&[pass(SOUND), pass(&[Resource::Make(&KEPT)])]);
+    const TWICE: Effect = effect(&[pass(&[
+        Resource::Read(Field::Surface),
+        Resource::Update(Field::Lights),
+        Resource::Update(Field::Lights),
+    ])]);
+    const BEFORE_PIXELS: Effect = effect(&[
+        pass(SOUND),
+        Pass {
+            when: When::Once,
+            ..pass(&[Resource::Make(&KEPT)])
+        },
+    ]);
+    const FINDS: Effect = Effect {
+        writes: &[Field::Surface],
+        ..effect(&[])
+    };
+    const WITHOUT_END: Loop = Loop {
+        condition: &KEPT,
+        holds: |_, _| true,
+        turns: 1,
+        most: |_| 1,
+    };
+    const ENDLESS: Effect = effect(&[
+        pass(SOUND),
+        Pass {
+            over: Over::Groups(|_| [1, 1]),
+            when: When::Until(&WITHOUT_END),
+            ..pass(&[])
+        },
+    ]);
+    const DRAWN_LATE: Effect = effect(&[
+        pass(SOUND),
+        Pass {
+            over: Over::Raster(RasterView::Hemicube(|_| 8)),
+            ..pass(&[])
+        },
+    ]);
     for (effect, names) in [
         (&UNWRITTEN, "reads `inscatter_sky`, which no effect before"),
         (&UNREAD, "says that it reads `surface`"),
@@ -195,6 +235,15 @@ fn what_does_not_fit_is_refused() {
         (&HIDDEN_WRITE, "does not say that it writes or alters `sun`"),
         (&UNMADE, "uses `kept`, which none of its passes makes"),
         (&ONCE, "fills what is kept from a field of a tile"),
+        (&LONG, "does not run for as long as that lives"),
+        (&TWICE, "names `lights` twice"),
+        (&BEFORE_PIXELS, "over pixels before there are any"),
+        (&FINDS, "changes `surface`"),
+        (
+            &ENDLESS,
+            "loops until `kept`, which no pass of the loop makes",
+        ),
+        (&DRAWN_LATE, "draws its pass `x` at the wrong time"),
     ] {
         let problem = refused(effect);
         assert!(problem.contains(names), "{problem}");

@@ -366,9 +366,13 @@ fn the_order_is_documented_and_every_module_is_there() {
     assert_eq!(declared, order);
     let docs = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/structure.md"));
     let docs = docs.expect("the structure has its page");
-    for module in ORDER {
-        assert!(docs.contains(module), "docs/structure.md lacks {module}");
-    }
+    let rows = docs.lines().filter_map(|line| line.strip_prefix("| `"));
+    let listed: Vec<&str> = rows
+        .filter_map(|row| row.split_once("` |"))
+        .map(|(name, _)| name)
+        .filter(|name| order.contains(*name))
+        .collect();
+    assert_eq!(listed, ORDER, "docs/structure.md");
 
     let bad = "//! | [`units`], [`error`] | what |\n//! | `x` | y |\npub mod error;\n";
     let (listed, declared) = documented(bad);
@@ -502,11 +506,24 @@ fn invalid(shaders: &Files) -> Vec<String> {
     complaints
 }
 
-/// The size of the workgroups of each compute entry point.
-fn workgroup_sizes(text: &str) -> BTreeMap<String, [u32; 3]> {
-    let module = naga::front::wgsl::parse_str(text).expect("it is WGSL");
-    let entries = module.entry_points.into_iter();
-    entries.map(|e| (e.name, e.workgroup_size)).collect()
+/// What is wrong with an entry point that runs over pixels: groups of another size than the backend dispatches, or pixels outside
+/// the tile that are not left alone. What is no WGSL is told elsewhere.
+fn over_pixels(text: &str, entry: &str) -> Option<String> {
+    let module = naga::front::wgsl::parse_str(text).ok()?;
+    let found = module.entry_points.iter().find(|e| e.name == entry);
+    let Some(found) = found else {
+        return Some(format!("there is no `{entry}`"));
+    };
+    if found.workgroup_size != [8, 8, 1] {
+        return Some(format!(
+            "`{entry}` has groups of {:?}",
+            found.workgroup_size
+        ));
+    }
+    let body = text.split(&format!("fn {entry}(")).nth(1)?;
+    let body = body.split("\n}").next()?;
+    let asks = body.contains("inside_tile(id)");
+    (!asks).then(|| format!("`{entry}` does not ask whether a pixel is inside_tile"))
 }
 
 #[test]
@@ -515,8 +532,14 @@ fn shaders_are_valid() {
     let conditions = Conditions::new(scene, &Request::default()).expect("it is sound");
     let mut shaders = Files::new();
     for effect in effect::ALL {
+        let file = format!("src/effect/{}.rs", effect.name);
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        assert!(root.join(&file).is_file(), "there is no {file}");
         let values: Vec<_> = effect.knobs.iter().map(|k| (k.name, k.values[1])).collect();
-        let settings = effect::Settings { values: &values };
+        let settings = effect::Settings {
+            effect: effect.name,
+            values: &values,
+        };
         for pass in effect.passes {
             for counting in [false, true] {
                 let name = format!("{}.{} {counting}", effect.name, pass.entry);
@@ -524,8 +547,8 @@ fn shaders_are_valid() {
                 assert!(text.contains(pass.entry), "{name}");
                 // The backend dispatches as many groups of 8 by 8 as cover the tile.
                 if matches!(pass.over, Over::Pixels | Over::Fields(_)) {
-                    let sizes = workgroup_sizes(&text);
-                    assert_eq!(sizes.get(pass.entry), Some(&[8, 8, 1]), "{name}");
+                    let wrong = over_pixels(&text, pass.entry);
+                    assert_eq!(wrong, None, "{name}");
                 }
                 shaders.insert(name, text);
             }
@@ -533,6 +556,14 @@ fn shaders_are_valid() {
     }
     assert!(shaders.len() > 40);
     assert_eq!(invalid(&shaders), [""; 0]);
+
+    let entry =
+        "@compute @workgroup_size(8, 8) fn glow(@builtin(global_invocation_id) id: vec3u) {";
+    let tile = "fn inside_tile(id: vec3u) -> bool { return true; }";
+    let good = format!("{tile}\n{entry}\n if !inside_tile(id) {{ return; }}\n}}");
+    assert_eq!(over_pixels(&good, "glow"), None);
+    assert!(over_pixels(&good.replace("8, 8", "64"), "glow").is_some());
+    assert!(over_pixels(&good.replace("if !inside_tile(id)", "if false"), "glow").is_some());
 
     let with = |body: &str| {
         let common = "fn twice(x: f32) -> f32 { return 2.0 * x; }\n";

@@ -540,7 +540,9 @@ fn a_picture_that_stays_on_the_device_is_the_one_that_comes_back() {
         return;
     }
     let (adapter, device, queue) = own_device();
-    let mut gpu = Gpu::new(Device::from_wgpu(&adapter, device.clone(), queue.clone()));
+    let mut gpu = Gpu::new(
+        Device::from_wgpu(&adapter, device.clone(), queue.clone()).expect("it takes enough"),
+    );
     // Two tiles, the second of which is narrow.
     let view = slats(1.0);
     let mut conditions = conditions(view.scene, view.camera, [530, 40]);
@@ -549,9 +551,12 @@ fn a_picture_that_stays_on_the_device_is_the_one_that_comes_back() {
         let conditions = moved(&conditions, at * DVec3::X);
         let plan = plan(&conditions);
         let limits = Limits::default();
-        gpu.render_on_device(&plan, &limits).expect("it works");
+        gpu.render_on_device(&plan, &limits, &|_| {})
+            .expect("it works");
         let before = gpu.device().traffic().allocated;
-        let kept = gpu.render_on_device(&plan, &limits).expect("it works");
+        let (kept, _) = gpu
+            .render_on_device(&plan, &limits, &|_| {})
+            .expect("it works");
         // The next picture needs its own pixels and nothing else.
         let allocated = gpu.device().traffic().allocated - before;
         assert_eq!(allocated, 16 * u64::from(kept.width * kept.height));

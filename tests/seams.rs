@@ -1,78 +1,21 @@
 //! Small effects that try the joints on which others will be hung: one that iterates on the device until a condition holds and
-//! keeps its result, one lit by a local beam, one on the CPU between two of the GPU, one that looks through a hemicube.
+//! keeps its result, one on the CPU between two of the GPU, one that looks through a hemicube. Lamps: `seams_lamp`.
 
 mod common;
 
 use common::build::*;
-use common::shafts::gpu;
+use common::own_effects::*;
 use glam::DVec3;
 use std::f64::consts::PI;
 use tyndall::backend::gpu::{Choice, Gpu};
-use tyndall::backend::reference::Reference;
 use tyndall::backend::{Limits, Rendered};
-use tyndall::beam::Beam;
 use tyndall::conditions::{Conditions, Input};
 use tyndall::effect::{
-    ALL, Batch, Contribution, Decision, Effect, Extent, Field, Kept, Loop, Number, Over, Pass,
-    Product, RasterView, Resource, Settings, When,
+    Contribution, Decision, Effect, Extent, Field, Loop, Number, Over, Pass, Product, RasterView,
+    Resource, Settings, When,
 };
-use tyndall::medium::{Phase, Scattering, Shape};
-use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::curtain::complement;
-use tyndall::scene::{Camera, Scene};
-use tyndall::studies::scenes::{cuboid, fog, quad};
-
-/// The effects of the project with others before the last, which takes light through the air to the eye.
-fn with(own: &[&'static Effect]) -> Vec<&'static Effect> {
-    let (last, before) = ALL.split_last().expect("there are effects");
-    [before, own, &[*last]].concat()
-}
-
-fn plan<'c>(conditions: &'c Conditions, own: &[&'static Effect], set: &[(&str, f64)]) -> Plan<'c> {
-    let overrules = Overrules {
-        quality: Quality::Draft,
-        set: set.iter().map(|(k, v)| (k.to_string(), *v)).collect(),
-        ..Overrules::default()
-    };
-    Plan::with(conditions, &overrules, &with(own)).expect("the effects fit together")
-}
-
-fn on_gpu(plan: &Plan) -> Rendered {
-    let rendered = gpu().render(plan, &Limits::default(), &|_| {});
-    let rendered = rendered.expect("the device works");
-    rendered.frame.check().expect("every value is sound");
-    rendered
-}
-
-fn by_reference(plan: &Plan) -> Rendered {
-    let rendered = Reference::new(plan).render(&Limits::default(), &|_| {});
-    rendered.expect("it fits into memory")
-}
-
-fn runs(rendered: &Rendered, pass: &str) -> u32 {
-    let step = rendered.steps.iter().find(|step| step.pass == pass);
-    step.expect("the pass is there").runs
-}
-
-/// A floor and a roof over a part of it, with a place and a time.
-fn shelter() -> Scene {
-    let mut triangles = cuboid(DVec3::new(-4.0, -0.2, -4.0), DVec3::new(4.0, 0.0, 4.0));
-    triangles.extend(cuboid(
-        DVec3::new(-2.0, 2.0, -2.0),
-        DVec3::new(0.0, 2.1, 2.0),
-    ));
-    let mut scene = scene(&triangles, 140.0, 50.0);
-    scene.ground.enabled = false;
-    scene
-}
-
-fn camera() -> Camera {
-    Camera::look_at(
-        DVec3::new(0.5, 1.2, 6.0),
-        DVec3::new(0.0, 1.0, 0.0),
-        60.0 * PI / 180.0,
-    )
-}
+use tyndall::plan::Plan;
+use tyndall::studies::scenes::quad;
 
 // Heat along a rod whose ends are held at 0 and 1: relaxed until nothing changes by more than the tolerance, it rises evenly.
 
@@ -152,7 +95,7 @@ const RELAXED: Effect = Effect {
         of_rod("relax", When::Until(&SETTLED)),
         Pass {
             over: Over::Pixels,
-            uses: &[Resource::Make(&ROD), Resource::Update(Field::Lights)],
+            uses: &[Resource::Use(&ROD), Resource::Update(Field::Lights)],
             ..of_rod("show", When::Tile)
         },
     ],
@@ -216,221 +159,114 @@ fn an_effect_iterates_until_it_is_done_and_keeps_what_it_found_over_tiles_and_mo
     assert!(runs(&on_gpu(&plan(&other, &[&RELAXED], &[])), "relax") > 200);
 }
 
-// A lamp of finite extent under a slotted roof, in fog: local beams with their own shadow maps against the fan of exact shadows.
+// Two results of different inputs: what depends on the sun is made again at another moment, what does not is not.
 
-const LAMP: DVec3 = DVec3::new(0.3, 2.6, 0.2);
+const FORM: Product = Product {
+    name: "form",
+    wgsl: "array<f32>",
+    bytes: |_| 4,
+    reads: &[Input::Geometry],
+    zeroed: true,
+};
 
-/// Cells of a square face of 0.2 m that looks down, each a quarter of the light.
-fn cells(_: &Conditions, _: &Settings<'_>) -> Vec<Beam> {
-    [(-0.05, -0.05), (0.05, -0.05), (-0.05, 0.05), (0.05, 0.05)]
-        .map(|(x, z)| Beam::Local {
-            position: LAMP + DVec3::new(x, 0.0, z),
-            intensity: DVec3::new(100.0, 80.0, 60.0),
-            radius: 0.056,
-        })
-        .to_vec()
+const SOLUTION: Product = Product {
+    name: "solution",
+    wgsl: "array<f32>",
+    bytes: |_| 4,
+    reads: &[Input::Geometry, Input::Sun],
+    zeroed: true,
+};
+
+const fn of_solved(entry: &'static str, over: Over, when: When, uses: &'static [Resource]) -> Pass {
+    Pass {
+        shader: "
+            @compute @workgroup_size(1)
+            fn shape() {
+                form[0] += 1.0;
+            }
+
+            @compute @workgroup_size(1)
+            fn solve() {
+                solution[0] += 10.0 * form[0];
+            }
+
+            @compute @workgroup_size(8, 8)
+            fn tell_both(@builtin(global_invocation_id) id: vec3u) {
+                if inside_tile(id) {
+                    lights[pixel_index(id)] += vec4f(form[0], solution[0], 0.0, 0.0);
+                }
+            }",
+        entry,
+        over,
+        when,
+        uses,
+    }
 }
 
-const LAMP_GLOW: Effect = Effect {
-    name: "lamp_glow",
-    summary: "light of a lamp scattered by the air",
-    reads: &[Field::Surface],
-    writes: &[Field::InscatterLights],
-    knobs: &[tyndall::effect::Knob {
-        name: "steps",
-        meaning: "steps along each ray",
-        values: [1024.0; 4],
-        range: [1.0, 65536.0],
-    }],
-    decide: |_| Decision::run("a test", Contribution::Bound(1e6)),
-    reference: lamp_reference,
-    passes: &[Pass {
-        shader: "
-            @compute @workgroup_size(8, 8)
-            fn glow(@builtin(global_invocation_id) id: vec3u) {
-                if !inside_tile(id) {
-                    return;
-                }
-                let i = pixel_index(id);
-                let origin = ray_origin(id);
-                let direction = ray_direction(id);
-                let air = air_span(origin, direction);
-                let end = min(ray_end(surfaces[i], origin, direction), air.y);
-                // Even steps of the angle that the lamp sees: there is no peak in it.
-                let foot = dot(beam.position - origin, direction);
-                let aside = max(length(beam.position - origin - foot * direction), beam.extent);
-                let first = atan2(air.x - foot, aside);
-                let step = (atan2(end - foot, aside) - first) / f32(knobs.steps);
-                var sum = vec3f(0.0);
-                for (var k = 0u; k < knobs.steps && end > air.x; k++) {
-                    let angle = first + (f32(k) + 0.5) * step;
-                    let t = foot + aside * tan(angle);
-                    let p = origin + t * direction;
-                    if !beam_reaches(p) {
-                        continue;
-                    }
-                    let toward = beam_toward(p);
-                    let apart = direction - toward;
-                    var source = vec3f(0.0);
-                    for (var m = 0u; m < tile.media; m++) {
-                        let there = select(0.0, 1.0, inside(media[m], p));
-                        source += there * source_of(media[m], 0.5 * dot(apart, apart), ALL_MEDIA);
-                    }
-                    let depth = optical_depth(origin, direction, t, ALL_MEDIA)
-                        + optical_depth(p, toward, length(beam.position - p), ALL_MEDIA);
-                    let length = aside * step / (cos(angle) * cos(angle));
-                    sum += source * exp(-depth) * beam_illuminance(p) * length;
-                }
-                inscatter_lights[i] += vec4f(sum, 0.0);
-            }",
-        entry: "glow",
-        over: Over::Pixels,
-        when: When::EachBeam(cells),
-        uses: &[
-            Resource::Read(Field::Surface),
-            Resource::Update(Field::InscatterLights),
-            Resource::Knobs(|_, settings| vec![("steps", Number::count(settings.get("steps")))]),
-        ],
-    }],
+const ONE: Over = Over::Groups(|_| [1, 1]);
+
+const SOLVED: Effect = Effect {
+    name: "solved",
+    summary: "counts how often things are made",
+    writes: &[Field::Lights],
+    decide: |_| Decision::run("a test", Contribution::Bound(1.0)),
+    passes: &[
+        of_solved("shape", ONE, When::Once, &[Resource::Make(&FORM)]),
+        of_solved(
+            "solve",
+            ONE,
+            When::Once,
+            &[Resource::Use(&FORM), Resource::Make(&SOLUTION)],
+        ),
+        of_solved(
+            "tell_both",
+            Over::Pixels,
+            When::Tile,
+            &[
+                Resource::Use(&FORM),
+                Resource::Use(&SOLUTION),
+                Resource::Update(Field::Lights),
+            ],
+        ),
+    ],
     ..Effect::NOTHING
 };
 
-fn lamp_reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Kept) -> Batch<'a> {
-    let beams = cells(conditions, settings);
-    let air = &conditions.air;
-    Box::new(move |fields| {
-        let mut dark = Vec::new();
-        fields.update(Field::InscatterLights, |ray, _, surface, present| {
-            let end = surface.distance.min(air.end(ray.origin, ray.direction));
-            conditions.geometry.dark_runs(ray, end, &beams, &mut dark);
-            let mut sum = DVec3::ZERO;
-            for (beam, dark) in beams.iter().zip(&dark) {
-                let scattering = Scattering::new(air, ray.origin, ray.direction, end, beam);
-                for [from, to] in complement(dark, end) {
-                    sum += beam.strength() * scattering.integrate(from, to);
-                }
-            }
-            present + sum
-        });
-    })
-}
-
-/// A slotted roof between the lamp and the floor, in fog.
-fn lamp_scene() -> Scene {
-    let mut triangles = cuboid(DVec3::new(-4.0, -0.2, -4.0), DVec3::new(4.0, 0.0, 4.0));
-    for i in 0..6 {
-        let x = -2.0 + 0.8 * f64::from(i);
-        triangles.extend(cuboid(
-            DVec3::new(x, 1.6, -1.5),
-            DVec3::new(x + 0.4, 1.7, 1.5),
-        ));
-    }
-    let mut scene = scene(&triangles, 140.0, 50.0);
-    scene.ground.enabled = false;
-    let shape = Shape::Box {
-        min: DVec3::new(-4.0, 0.0, -4.0),
-        max: DVec3::new(4.0, 4.0, 4.0),
-    };
-    scene.media = vec![fog(shape, 0.08, 0.02, Phase::HenyeyGreenstein { g: 0.4 })];
-    scene
-}
-
-/// Relative RMSE over the second channel.
-fn apart(found: &[DVec3], truth: &[DVec3]) -> f64 {
-    let mean = truth.iter().map(|v| v.y).sum::<f64>() / truth.len() as f64;
-    let square = found.iter().zip(truth).map(|(a, b)| (a.y - b.y).powi(2));
-    (square.sum::<f64>() / truth.len() as f64).sqrt() / mean
-}
-
 #[test]
-fn a_lamp_of_finite_extent_has_its_own_shadow_maps() {
-    if !common::gpu("a_lamp_of_finite_extent_has_its_own_shadow_maps") {
+fn each_result_is_made_again_for_its_own_inputs_alone() {
+    if !common::gpu("each_result_is_made_again_for_its_own_inputs_alone") {
         return;
     }
-    let seen = conditions(lamp_scene(), camera(), [96, 64]);
-    let set = [("shadow.resolution", 8192.0)];
-    let both = plan(&seen, &[&LAMP_GLOW], &set);
-    let of = |rendered: &Rendered| layer(&rendered.frame, Field::InscatterLights);
-    let truth = of(&by_reference(&both));
-    let rendered = on_gpu(&both);
-    // Those of the sun, and six faces for each of four cells.
-    assert!(rendered.made.maps > 24, "{}", rendered.made.maps);
-    let found = of(&rendered);
-    let off = apart(&found, &truth);
-    eprintln!("lamp: {off:.4}");
-    assert!(off < 0.01, "{off}");
-    // The sun's own light is as it is without the lamp.
-    let alone = on_gpu(&plan(&seen, &[], &set));
-    assert_eq!(
-        layer(&alone.frame, Field::InscatterSun),
-        layer(&rendered.frame, Field::InscatterSun)
-    );
-    // Without the roof there is more light: that shadows are left out is noticed.
-    let mut open = lamp_scene();
-    open.mesh.triangles.truncate(12);
-    let open = conditions(open, camera(), [96, 64]);
-    let open = of(&on_gpu(&plan(&open, &[&LAMP_GLOW], &set)));
-    assert!(apart(&open, &truth) > 0.2);
-}
-
-#[test]
-fn the_fan_of_a_lamp_agrees_with_shadow_rays() {
-    let seen = conditions(lamp_scene(), camera(), [24, 16]);
-    let geometry = &seen.geometry;
-    let mut checked = 0;
-    let mut dark = Vec::new();
-    for (k, lamp) in [LAMP, DVec3::new(-1.0, 0.8, 0.0), DVec3::new(0.0, 9.0, 1.0)]
-        .into_iter()
-        .enumerate()
-    {
-        let beams = [Beam::local(lamp, DVec3::ONE)];
-        for y in 0..16 {
-            for x in 0..24 {
-                let at = glam::DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-                let ray = seen.view.ray(at);
-                let far = 14.0;
-                geometry.dark_runs(&ray, far, &beams, &mut dark);
-                for i in 0..200 {
-                    let t = far * (f64::from(i) + 0.5) / 200.0;
-                    let point = ray.at(t);
-                    let shadow = tyndall::scene::Ray {
-                        origin: point,
-                        direction: (lamp - point).normalize(),
-                    };
-                    let border = dark[0]
-                        .iter()
-                        .flatten()
-                        .any(|border| (border - t).abs() < 1e-6);
-                    if border {
-                        continue;
-                    }
-                    let runs = dark[0].iter();
-                    let is_dark = runs.clone().any(|[from, to]| (*from..*to).contains(&t));
-                    let hidden = geometry.occluded(&shadow, 1e-9, point.distance(lamp));
-                    assert_eq!(is_dark, hidden, "lamp {k}, ray {x} {y}, t {t}: {dark:?}");
-                    checked += 1;
-                }
-            }
-        }
+    let mut own = Gpu::open(Choice::Any).expect("there is an adapter");
+    let mut render = |conditions: &Conditions, effects: &[&'static Effect]| {
+        let plan = plan(conditions, effects, &[]);
+        let rendered = own.render(&plan, &Limits::default(), &|_| {});
+        rendered.expect("the device works")
+    };
+    let noon = conditions(shelter(), camera(), [16, 8]);
+    // The same geometry under another sun.
+    let mut later = noon.clone();
+    later.sun.toward = DVec3::new(0.6, 0.64, 0.48);
+    let told = |rendered: &Rendered| layer(&rendered.frame, Field::Lights)[0].truncate();
+    let first = render(&noon, &[&SOLVED]);
+    assert_eq!(first.made.products, ["form", "solution"]);
+    let second = render(&later, &[&SOLVED]);
+    assert_eq!(second.made.products, ["solution"]);
+    assert_eq!((runs(&second, "shape"), runs(&second, "solve")), (0, 1));
+    // Each began from zeros: neither was added to what was there.
+    for rendered in [&first, &second] {
+        assert_eq!(told(rendered).to_array(), [1.0, 10.0]);
     }
-    assert!(checked > 200_000, "{checked}");
-    // The lamp on the ray itself: dark behind the first thing on either side of it.
-    let ray = tyndall::scene::Ray {
-        origin: DVec3::new(0.2, 5.0, 0.0),
-        direction: DVec3::NEG_Y,
-    };
-    let on_ray = [Beam::local(DVec3::new(0.2, 3.0, 0.0), DVec3::ONE)];
-    geometry.dark_runs(&ray, 8.0, &on_ray, &mut dark);
-    let [run] = dark[0][..] else {
-        panic!("one dark run: {dark:?}");
-    };
-    let hit = geometry
-        .closest(&ray, 0.0, 8.0)
-        .expect("there is something below");
-    assert!(
-        (run[0] - hit.distance).abs() < 1e-9 && run[1] == 8.0,
-        "{run:?}"
-    );
+    // Plans without the effect between do not end what still holds.
+    render(&later, &[]);
+    let third = render(&later, &[&SOLVED]);
+    assert!(third.made.products.is_empty(), "{:?}", third.made);
+    assert_eq!(told(&third).to_array(), [1.0, 10.0]);
+    // Another scene does.
+    let other = conditions(lamp_scene(), camera(), [16, 8]);
+    render(&other, &[]);
+    let fourth = render(&later, &[&SOLVED]);
+    assert_eq!(fourth.made.products, ["form", "solution"]);
 }
 
 // On the CPU, between two effects of the GPU: light of surfaces, doubled and dimmed by the air's transmittance, goes on.
@@ -497,10 +333,9 @@ const BEHIND: Effect = Effect {
     decide: |_| Decision::run("a test", Contribution::Bound(1e3)),
     reference: |_, _, _| {
         Box::new(|fields| {
-            let lights = fields.get(Field::Lights).map(<[DVec3]>::to_vec);
-            let mut lights = lights.into_iter().flatten();
-            fields.update(Field::InscatterLights, |_, _, _, present| {
-                present + 0.5 * lights.next().unwrap_or_default()
+            let (own, lights) = (Field::InscatterLights, Field::Lights);
+            fields.update_by(own, lights, |_, _, _, present, lights| {
+                present + 0.5 * lights
             });
         })
     },
@@ -662,7 +497,7 @@ const PLATE: Effect = Effect {
             entry: "tell",
             over: Over::Pixels,
             when: When::Tile,
-            uses: &[Resource::Make(&SEEN), Resource::Update(Field::Lights)],
+            uses: &[Resource::Use(&SEEN), Resource::Update(Field::Lights)],
         },
     ],
     ..Effect::NOTHING

@@ -354,3 +354,26 @@ fn scattered_part(whole: Piece, start: f32, origin: vec3f, direction: vec3f, a: 
     }
     return sum;
 }
+
+// What the air sends to the eye from a place of a ray for a beam of either kind that reaches it [cd/m2 a metre]. Runs of parallel
+// light have closed forms, see common/runs.wgsl; this is for light from near by, and for steps.
+fn beam_scattered(origin: vec3f, direction: vec3f, t: f32, sources: u32) -> vec3f {
+    let p = origin + t * direction;
+    let toward = beam_toward(p);
+    let apart = direction - toward;
+    var source = vec3f(0.0);
+    for (var i = 0u; i < tile.media; i++) {
+        let medium = media[i];
+        let own = source_of(medium, 0.5 * dot(apart, apart), sources);
+        if medium.shape == HEIGHT {
+            source += own * density(medium, origin, direction, t);
+        } else if inside(medium, p) {
+            source += own;
+        }
+    }
+    var beyond = sun_optical_depth(p, toward);
+    if beam.kind == LOCAL {
+        beyond = optical_depth(p, toward, length(beam.position - p), ALL_MEDIA);
+    }
+    return source * exp(-optical_depth(origin, direction, t, sources) - beyond) * beam_illuminance(p);
+}

@@ -4,6 +4,25 @@ use crate::error::{Error, Result};
 use crate::frame::{Field, Frame, Layer, Part};
 use glam::{UVec2, Vec3};
 
+/// Whether a picture of a size, which holds so many bytes, is within a limit.
+///
+/// # Errors
+/// [`Error::Input`] when it is not.
+pub(super) fn fits([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<()> {
+    if bytes <= limit {
+        return Ok(());
+    }
+    Err(Error::input(
+        format!("--size {width}x{height}"),
+        format!(
+            "the frame would hold {} MiB, more than the limit of {} MiB",
+            bytes >> 20,
+            limit >> 20
+        ),
+        "make the picture smaller, leave effects out with --without, or raise the limit with --max-memory",
+    ))
+}
+
 /// A picture in the making.
 pub(super) struct Film {
     frame: Frame,
@@ -24,18 +43,11 @@ impl Film {
     /// # Errors
     /// [`Error::Input`] when it would hold more than `limit` bytes.
     pub fn new([width, height]: [u32; 2], written: &[Field], limit: u64) -> Result<Self> {
-        let bytes = Self::bytes([width, height], written);
-        if bytes > limit {
-            return Err(Error::input(
-                format!("--size {width}x{height}"),
-                format!(
-                    "the frame would hold {} MiB, more than the limit of {} MiB",
-                    bytes >> 20,
-                    limit >> 20
-                ),
-                "make the picture smaller, leave effects out with --without, or raise the limit with --max-memory",
-            ));
-        }
+        fits(
+            [width, height],
+            Self::bytes([width, height], written),
+            limit,
+        )?;
         let mut frame = Frame::new(width, height);
         let mut slots = [None; Field::COUNT];
         let pixels = frame.pixels();

@@ -113,9 +113,14 @@ impl Backend {
     ///
     /// # Errors
     /// Those of [`Gpu::render_on_device`]; [`Error::Failed`] without a device.
-    pub fn render_on_device(&mut self, plan: &Plan, limits: &Limits) -> Result<OnDevice> {
+    pub fn render_on_device(
+        &mut self,
+        plan: &Plan,
+        limits: &Limits,
+        progress: Progress,
+    ) -> Result<(OnDevice, Rendered)> {
         match self {
-            Backend::Gpu(gpu) => gpu.render_on_device(plan, limits),
+            Backend::Gpu(gpu) => gpu.render_on_device(plan, limits, progress),
             Backend::Reference(_) => Err(Error::failed(
                 "the reference has no device on which a picture could stay",
                 "open the backend `gpu`, or take the frame",

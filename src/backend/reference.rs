@@ -86,6 +86,7 @@ impl<'a> Reference<'a> {
             .running()
             .map(|step| {
                 let settings = Settings {
+                    effect: step.effect.name,
                     values: &step.settings,
                 };
                 Prepared {
@@ -120,6 +121,8 @@ impl<'a> Reference<'a> {
             if rerun == Rerun::WithoutAir && only_air(step.effect) {
                 continue;
             }
+            let effect = step.effect;
+            fields.name(effect.reads, [effect.writes, effect.alters]);
             let start = Instant::now();
             (step.run)(&mut fields);
             let elapsed = start.elapsed().as_nanos() as u64;
@@ -128,7 +131,7 @@ impl<'a> Reference<'a> {
         }
         (0..positions.len())
             .map(|i| Sample {
-                values: Field::ALL.map(|field| match (fields.get(field), field.part()) {
+                values: Field::ALL.map(|field| match (fields.found(field), field.part()) {
                     (Some(values), _) => values[i],
                     (None, Part::Share) => DVec3::ONE,
                     (None, _) => DVec3::ZERO,

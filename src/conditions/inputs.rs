@@ -33,7 +33,7 @@ pub struct Snapshot(Vec<State>);
 
 #[derive(Clone)]
 enum State {
-    Geometry(Arc<Geometry>, Option<GroundPlane>),
+    Geometry(Arc<Geometry>, Option<f64>),
     Materials(Arc<Scene>, Option<GroundPlane>),
     Media(Air),
     Sky(Option<Arc<Sky>>),
@@ -60,7 +60,10 @@ impl Conditions {
     /// The present state of inputs. [`Input::Tile`] and [`Input::Beam`] are no part of the conditions and left out.
     pub fn snapshot(&self, inputs: &[Input]) -> Snapshot {
         let state = |input: &Input| match input {
-            Input::Geometry => Some(State::Geometry(self.geometry.clone(), self.ground)),
+            Input::Geometry => Some(State::Geometry(
+                self.geometry.clone(),
+                self.ground.map(|ground| ground.height),
+            )),
             Input::Materials => Some(State::Materials(self.scene.clone(), self.ground)),
             Input::Media => Some(State::Media(self.air.clone())),
             Input::Sky => Some(State::Sky(self.sky.clone())),
@@ -73,6 +76,15 @@ impl Conditions {
 }
 
 impl Snapshot {
+    /// Whether what was shared is that of the same scene; else nothing of it will be asked for again.
+    pub fn is_of_scene(&self, conditions: &Conditions) -> bool {
+        self.0.iter().all(|state| match state {
+            State::Geometry(geometry, _) => Arc::ptr_eq(geometry, &conditions.geometry),
+            State::Materials(scene, _) => Arc::ptr_eq(scene, &conditions.scene),
+            _ => true,
+        })
+    }
+
     /// Whether nothing has changed since.
     pub fn still_holds(&self, conditions: &Conditions, inputs: &[Input]) -> bool {
         self.0 == conditions.snapshot(inputs).0

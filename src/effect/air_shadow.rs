@@ -110,8 +110,8 @@ pub const AIR_SHADOW: Effect = Effect {
             when: When::Tile,
             uses: &[
                 Resource::Read(Field::Surface),
-                Resource::Make(&SHADOWED),
-                Resource::Make(&WHOLE),
+                Resource::Use(&SHADOWED),
+                Resource::Use(&WHOLE),
                 Resource::Update(Field::Background),
             ],
         },

@@ -1,7 +1,7 @@
 //! A batch of rays and what effects have found on them.
 
 use crate::conditions::Receiver;
-use crate::frame::Field;
+use crate::frame::{Field, Part};
 use crate::scene::Ray;
 use glam::{DVec3, UVec2};
 
@@ -74,6 +74,8 @@ pub struct Fields {
     /// [`Field::Surface`].
     pub surfaces: Vec<Surface>,
     values: [Option<Vec<DVec3>>; Field::COUNT],
+    /// What the effect that is at work reads, and what it writes and alters: more it does not get.
+    named: Option<(&'static [Field], [&'static [Field]; 2])>,
 }
 
 impl Fields {
@@ -85,6 +87,7 @@ impl Fields {
             pixels,
             surfaces: Vec::new(),
             values: Default::default(),
+            named: None,
         };
         for &field in written {
             match field {
@@ -98,23 +101,70 @@ impl Fields {
         fields
     }
 
-    /// The values of a field, one a ray; `None` when no effect of the plan writes it.
+    /// Says what the effect that is at work now reads, and what it writes and alters.
+    pub(crate) fn name(&mut self, reads: &'static [Field], changes: [&'static [Field]; 2]) {
+        self.named = Some((reads, changes));
+    }
+
+    /// Whether the effect at work may have a field, to read it or to change it.
+    fn is_named(&self, field: Field, to_change: bool) -> bool {
+        let named = self.named.is_none_or(|(reads, changes)| {
+            let changed = changes.iter().any(|fields| fields.contains(&field));
+            changed || !to_change && reads.contains(&field)
+        });
+        debug_assert!(named, "{:?} is not named", field);
+        named
+    }
+
+    /// The values of a field, one a ray; `None` when no effect of the plan writes it, or the effect at work does not name it.
     pub fn get(&self, field: Field) -> Option<&[DVec3]> {
+        match self.is_named(field, false) {
+            true => self.found(field),
+            false => None,
+        }
+    }
+
+    /// The values of a field, whoever asks.
+    pub(crate) fn found(&self, field: Field) -> Option<&[DVec3]> {
         self.values[field as usize].as_deref()
     }
 
-    /// Sets every value of a field to what `value` makes of the ray, the pixel, the surface and the present value.
+    /// Sets every value of a field to what `value` makes of the ray, the pixel, the surface and the present value. A field that
+    /// no effect of the plan writes, or that the effect at work does not name, is left alone.
     pub fn update(
         &mut self,
         field: Field,
         mut value: impl FnMut(&Ray, UVec2, &Surface, DVec3) -> DVec3,
     ) {
+        if !self.is_named(field, true) {
+            return;
+        }
         let Some(values) = self.values[field as usize].as_mut() else {
             return;
         };
         for (i, present) in values.iter_mut().enumerate() {
             *present = value(&self.rays[i], self.pixels[i], &self.surfaces[i], *present);
         }
+    }
+
+    /// The same with the value of another field, the last argument: one where nobody wrote that field and it is a share of light,
+    /// else zero.
+    pub fn update_by(
+        &mut self,
+        field: Field,
+        by: Field,
+        mut value: impl FnMut(&Ray, UVec2, &Surface, DVec3, DVec3) -> DVec3,
+    ) {
+        let nobody = match by.part() {
+            Part::Share => DVec3::ONE,
+            _ => DVec3::ZERO,
+        };
+        let other: Option<Vec<DVec3>> = self.get(by).map(<[DVec3]>::to_vec);
+        let mut other = other.into_iter().flatten();
+        self.update(field, |ray, pixel, surface, present| {
+            let by = other.next().unwrap_or(nobody);
+            value(ray, pixel, surface, present, by)
+        });
     }
 
     /// Puts values in the place of a field's, one a ray, as a backend does with what others have found.
@@ -124,6 +174,9 @@ impl Fields {
 
     /// Multiplies one field by another.
     pub fn multiply(&mut self, field: Field, by: Field) {
+        if !self.is_named(field, true) || !self.is_named(by, false) {
+            return;
+        }
         let Some(factors) = self.values[by as usize].take() else {
             return;
         };

@@ -7,20 +7,21 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A result that the reference of an effect keeps.
 pub struct Keep {
-    /// What it is.
+    /// What it is: a name of its own among what the effect keeps.
     pub name: &'static str,
     /// What it is made of, beside the effect's knobs. [`Input::Tile`] and [`Input::Beam`] mean nothing here.
     pub reads: &'static [Input],
 }
 
 struct Entry {
+    effect: &'static str,
     name: &'static str,
     settings: Vec<(&'static str, f64)>,
     made_of: Snapshot,
     value: Arc<dyn Any + Send + Sync>,
 }
 
-/// Results kept from frame to frame, one of each name. Whoever renders many frames holds on to one of these.
+/// Results kept from frame to frame, one of each name and effect. Whoever renders many frames holds on to one of these.
 #[derive(Default)]
 pub struct Kept {
     entries: Mutex<Vec<Entry>>,
@@ -38,7 +39,8 @@ impl Kept {
     ) -> Arc<T> {
         let lock = || self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock().iter().find_map(|entry| {
-            let same = entry.name == keep.name
+            let same = entry.effect == settings.effect
+                && entry.name == keep.name
                 && entry.settings == settings.values
                 && entry.made_of.still_holds(conditions, keep.reads);
             same.then(|| entry.value.clone())
@@ -49,8 +51,13 @@ impl Kept {
         // Not locked, so that what takes long does not keep others waiting.
         let value = Arc::new(make());
         let mut entries = lock();
-        entries.retain(|entry| entry.name != keep.name);
+        // What is of another scene would only keep that alive.
+        entries.retain(|entry| {
+            let same = entry.effect == settings.effect && entry.name == keep.name;
+            !same && entry.made_of.is_of_scene(conditions)
+        });
         entries.push(Entry {
+            effect: settings.effect,
             name: keep.name,
             settings: settings.values.to_vec(),
             made_of: conditions.snapshot(keep.reads),

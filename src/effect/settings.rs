@@ -1,6 +1,6 @@
 //! What trades accuracy for time in an effect.
 
-/// A number that trades accuracy for time.
+/// A number that can be set: most trade accuracy for time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knob {
     /// Its name.
@@ -16,6 +16,8 @@ pub struct Knob {
 /// The knobs of one effect as a plan has set them.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings<'a> {
+    /// The effect's name.
+    pub effect: &'static str,
     /// The knobs' names and values.
     pub values: &'a [(&'static str, f64)],
 }
@@ -27,6 +29,13 @@ impl Settings<'_> {
             .iter()
             .find(|(name, _)| *name == knob)
             .map(|(_, value)| *value)
-            .expect("an effect asks only for knobs that it declares")
+            .unwrap_or_else(|| {
+                let known: Vec<&str> = self.values.iter().map(|(name, _)| *name).collect();
+                let known = known.join(", ");
+                panic!(
+                    "the effect `{}` asks for its knob `{knob}`, which it does not declare; it has {known}",
+                    self.effect
+                )
+            })
     }
 }

@@ -31,8 +31,7 @@ pub(super) struct LocalScattering {
     origin: DVec3,
     direction: DVec3,
     position: DVec3,
-    radius: f64,
-    /// Distance along the ray of the foot of `position`, and about how far that is from the ray [m].
+    /// Distance along the ray of the foot of `position`, and how far that is from the ray, at least the radius [m].
     foot: f64,
     aside: f64,
     /// Where the ray enters or leaves a medium [m].
@@ -68,7 +67,6 @@ impl LocalScattering {
             direction,
             position,
             foot,
-            radius,
             // On a ray through the light there is no angle.
             aside: aside.max(radius).max(1e-9 * (1.0 + foot.abs())),
             borders,
@@ -124,7 +122,8 @@ impl LocalScattering {
         let point = self.origin + t * self.direction;
         let way = self.position - point;
         let distance = way.length();
-        let square = way.length_squared().max(self.radius * self.radius);
+        // On a ray through a point of light, no nearer than the ray is taken to pass it.
+        let square = way.length_squared().max(self.aside * self.aside);
         let toward = way.try_normalize().unwrap_or(DVec3::Y);
         let one_minus_mu = 0.5 * (self.direction - toward).length_squared();
         let among = self.origin + middle * self.direction;
@@ -140,7 +139,7 @@ impl LocalScattering {
             .sum();
         let depth = self.air.optical_depth(self.origin, self.direction, t)
             + self.air.optical_depth(point, toward, distance);
-        source * (-depth).exp() / square.max(f64::MIN_POSITIVE)
+        source * (-depth).exp() / square
     }
 
     /// Of a medium at a point [1], relative to where its coefficients are those given.
@@ -202,6 +201,22 @@ mod tests {
                 "{aside}: {} {exact}",
                 found.x
             );
+        }
+    }
+
+    #[test]
+    fn a_ray_through_a_lamp_is_finite() {
+        let air = cube(0.1, 0.02);
+        for radius in [0.0, 1e-3, 0.5] {
+            let beam = Beam::Local {
+                position: DVec3::new(0.0, 0.0, 10.0),
+                intensity: DVec3::ONE,
+                radius,
+            };
+            let found =
+                Scattering::new(&air, DVec3::ZERO, DVec3::Z, 40.0, &beam).integrate(0.0, 40.0);
+            assert!(found.is_finite() && found.x > 0.0, "{radius}: {found}");
+            assert!(found.as_vec3().is_finite(), "{radius}: {found}");
         }
     }
 

@@ -63,6 +63,13 @@ impl Geometry {
         together: f64,
         dark: &mut Vec<Run>,
     ) {
+        // A triangle whose plane holds the lamp, as the lamp's own face does, is seen edge on.
+        let [p, q, s] = points;
+        let normal = (q - p).cross(s - p);
+        let lamp = DVec3::new(0.0, height, along);
+        if normal.dot(lamp - p).abs() <= together * normal.length() {
+            return;
+        }
         let below = points.map(|p| p.x < 0.0);
         // The corner that lies alone on its side of the plane; its two edges are cut.
         let alone = match below {

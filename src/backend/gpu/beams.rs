@@ -21,8 +21,8 @@ const SIDES: u32 = 256;
 
 /// The maps of one beam.
 struct Slot {
-    /// What they were drawn for.
-    drawn: Option<shared::Beam>,
+    /// What they were drawn for, and from which eye it was told.
+    drawn: Option<(shared::Beam, DVec3)>,
     /// Of each map [texels].
     side: u32,
     uniform: Buffer,
@@ -151,6 +151,8 @@ pub struct Drawing<'d> {
     pub timer: &'d mut Timer,
     /// Under which number it counts.
     pub number: usize,
+    /// The eye [m], to which what shaders know of a beam is relative.
+    pub eye: DVec3,
 }
 
 impl Slots {
@@ -172,36 +174,55 @@ impl Slots {
             .min(maps.settings.most);
         let layers = fitted.partitions.max(1);
         let bytes = |side: u32, layers: u64| 8 * u64::from(side).pow(2) * layers;
-        // The side follows from the slot that it gets, the strength does not show in maps.
-        let kept = slots
-            .slots
-            .iter()
-            .position(|slot| slot.drawn.is_some_and(|drawn| drawn == fitted));
+        let now = Some((fitted, drawing.eye));
+        let fits = |slot: &Slot| match fitted.kind {
+            // As fine as a fresh one: pictures do not depend on what was before.
+            shared::LOCAL => slot.side == side,
+            _ => slot.side >= side && slot.views.len() >= layers as usize,
+        };
         // What this plan has no beam for is the first to go.
-        let stale = slots.slots.iter().position(|slot| {
-            slot.drawn
-                .is_none_or(|drawn| maps.beams.iter().all(|(_, wanted)| *wanted != drawn))
-        });
-        let sizes = slots.slots.iter();
-        let sizes = sizes.map(|slot| bytes(slot.side, slot.views.len() as u64));
-        let room = sizes.sum::<u64>() + bytes(side, u64::from(layers)) <= KEPT_MAPS;
-        let mut index = kept.or(stale);
-        if index.is_none() && (slots.slots.is_empty() || room && !slots.full) {
-            device.check()?;
-            let made = maps.slot(device, pipelines, side, layers);
-            match made.and_then(|slot| device.check().map(|()| slot)) {
-                Ok(slot) => {
-                    slots.slots.push(slot);
-                    index = Some(slots.slots.len() - 1);
+        let wanted = &maps.beams;
+        let is_stale = |slot: &Slot| {
+            let of_plan = |(beam, eye): (shared::Beam, DVec3)| {
+                eye == drawing.eye && wanted.iter().any(|(_, other)| *other == beam)
+            };
+            !slot.drawn.is_some_and(of_plan)
+        };
+        let all = |slots: &Slots| -> u64 {
+            let sizes = slots.slots.iter();
+            sizes
+                .map(|slot| bytes(slot.side, slot.views.len() as u64))
+                .sum()
+        };
+        let mut index = slots.slots.iter().position(|slot| slot.drawn == now);
+        index = index.or_else(|| slots.slots.iter().position(|s| is_stale(s) && fits(s)));
+        while index.is_none() {
+            let room = all(slots) + bytes(side, u64::from(layers)) <= KEPT_MAPS;
+            if slots.slots.is_empty() || room && !slots.full {
+                device.check()?;
+                let made = maps.slot(device, pipelines, side, layers);
+                match made.and_then(|slot| device.check().map(|()| slot)) {
+                    Ok(slot) => {
+                        slots.slots.push(slot);
+                        index = Some(slots.slots.len() - 1);
+                    }
+                    Err(error) if slots.slots.is_empty() => return Err(error),
+                    // A device that has no room for one more still has those that it has.
+                    Err(_) => slots.full = true,
                 }
-                Err(error) if slots.slots.is_empty() => return Err(error),
-                // A device that has no room for one more still has those that it has.
-                Err(_) => slots.full = true,
+                continue;
+            }
+            match slots.slots.iter().position(&is_stale) {
+                Some(stale) => {
+                    slots.slots.remove(stale);
+                    slots.full = false;
+                }
+                // The last one changes hands: when beams are gone through in turns, the others stay.
+                None => index = Some(slots.slots.len() - 1),
             }
         }
-        // The last one changes hands: when beams are gone through in turns, the others stay.
-        let index = index.unwrap_or(slots.slots.len() - 1);
-        if slots.slots[index].side < side || slots.slots[index].views.len() < layers as usize {
+        let index = index.unwrap_or(0);
+        if !fits(&slots.slots[index]) {
             slots.slots[index] = maps.slot(device, pipelines, side, layers)?;
         }
         let slot = &mut slots.slots[index];
@@ -212,7 +233,7 @@ impl Slots {
             ..fitted
         };
         device.write(&slot.uniform, &shared::uniform(&uniform));
-        if slot.drawn != Some(fitted) {
+        if slot.drawn != now {
             slot.drawn = None;
             for k in 0..fitted.partitions {
                 maps.runs += 1;
@@ -234,7 +255,7 @@ impl Slots {
                 };
                 draw.submit(device, drawing.timer, drawing.number)?;
             }
-            slot.drawn = Some(fitted);
+            slot.drawn = now;
         }
         Ok(slot.ask.clone())
     }

@@ -49,6 +49,10 @@ impl Job<'_> {
         }
         let stage = &mut self.stages[index];
         if let Work::Host(host) = &stage.work {
+            for chunk in &mut chunks {
+                let effect = stage.effect;
+                chunk.name(effect.reads, [effect.writes, effect.alters]);
+            }
             let start = Instant::now();
             chunks.par_iter_mut().for_each(&host.batch);
             stage.on_cpu += start.elapsed();
@@ -57,7 +61,7 @@ impl Job<'_> {
         for field in bring {
             let values: Vec<[f32; 4]> = chunks
                 .iter()
-                .flat_map(|fields| fields.get(field).into_iter().flatten())
+                .flat_map(|fields| fields.found(field).into_iter().flatten())
                 .map(|v| v.as_vec3().extend(0.0).to_array())
                 .collect();
             if let Some(target) = self.fields.iter().find(|t| t.field == field) {

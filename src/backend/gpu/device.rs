@@ -11,6 +11,9 @@ use wgpu::{
     TextureDimension, TextureFormat, TextureUsages, Trace,
 };
 
+/// Storage buffers that a pass sees at most: those that core WebGPU guarantees.
+const STORAGE_BUFFERS: u32 = 8;
+
 /// Which adapter is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choice {
@@ -75,9 +78,30 @@ impl Device {
 
     /// Over a device that somebody else has opened, a viewer say, on an adapter of wgpu; errors that nobody captures on it come out
     /// of the calls here.
-    pub fn from_wgpu(handle: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Failed`] for a device whose shaders see fewer storage buffers at once than passes bind.
+    pub fn from_wgpu(
+        handle: &wgpu::Adapter,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    ) -> Result<Self> {
         let limits = device.limits();
-        Self::over(adapters::describe(handle), limits, device, queue)
+        let (has, needs) = (limits.max_storage_buffers_per_shader_stage, STORAGE_BUFFERS);
+        if has < needs {
+            return Err(Error::failed(
+                format!(
+                    "the device takes {has} storage buffers at once, and passes bind up to {needs}"
+                ),
+                "open it with wgpu's default limits or those of the adapter, not with downlevel ones",
+            ));
+        }
+        Ok(Self::over(
+            adapters::describe(handle),
+            limits,
+            device,
+            queue,
+        ))
     }
 
     fn over(
@@ -272,7 +296,8 @@ fn ours(error: wgpu::Error) -> Error {
                 "the graphics interface refused a command: {}",
                 plain(&description)
             ),
-            "this is a defect of tyndall: please report it with the scene and the command, and use `--backend reference`",
+            "this is a defect of tyndall: please report it with the scene and the command, and use `--backend reference`; in the \
+             shader of an effect of your own, mend it there (lines are counted with the text that is put before it)",
         ),
         wgpu::Error::Internal { description, .. } => Error::failed(
             format!("the graphics driver failed: {}", plain(&description)),

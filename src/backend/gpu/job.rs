@@ -5,14 +5,14 @@ use super::device::Device;
 use super::draw::{Draw, dispatch, tile_groups};
 use super::on_device::Growing;
 use super::pipeline::Pipelines;
-use super::prepare::{Compute, Filling, Maker, Stage, Work, is_needed};
+use super::prepare::{Compute, Filling, Maker, Stage, Work};
 use super::scene::{Plane, SceneOnDevice, Triangles};
 use super::schedule::{Action, Schedule};
 use super::shared;
 use super::store::Store;
 use super::tile::{Target, TileBuffers};
 use super::timer::Timer;
-use crate::backend::film::Film;
+use crate::backend::film::{self, Film};
 use crate::backend::rendering::{Limits, Made, Progress, Rendered, StepTime, Traffic};
 use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
 use crate::error::Result;
@@ -125,7 +125,7 @@ impl<'j> Job<'j> {
             maps,
             ..
         } = maker;
-        store.finish();
+        store.finish(plan.conditions, scene.anchor);
         timer.begin(stages.len() + 1);
         device.check()?;
         let traced = |stage: &Stage| matches!(stage.work, Work::Camera(.., true));
@@ -167,18 +167,25 @@ impl<'j> Job<'j> {
         })
     }
 
-    /// Renders the whole picture; what the device itself is to keep of it goes there.
+    /// Renders the whole picture; what is to stay on the device grows there.
     pub fn render(
         mut self,
         limits: &Limits,
         progress: Progress,
-        kept: &mut Growing,
+        growing: &mut Growing,
     ) -> Result<Rendered> {
         let start = Instant::now();
         let view = &self.plan.conditions.view;
         let size = UVec2::from(view.size);
-        let mut film = match kept.is_wanted() {
-            true => None,
+        let mut film = match growing.is_wanted() {
+            true => {
+                film::fits(
+                    view.size,
+                    16 * u64::from(size.x) * u64::from(size.y),
+                    limits.memory,
+                )?;
+                None
+            }
             false => Some(Film::new(view.size, &self.written, limits.memory)?),
         };
         let offsets = sample_positions(view.samples);
@@ -205,7 +212,7 @@ impl<'j> Job<'j> {
                 limits.check()?;
                 let rays = self.begin_tile(corner, extent, *offset);
                 if !filled {
-                    self.fill()?;
+                    self.fill(limits)?;
                     filled = true;
                 }
                 self.run_tile(corner, extent, &rays)?;
@@ -219,7 +226,7 @@ impl<'j> Job<'j> {
                     None => {
                         let layers = self.fields.iter().filter(|t| t.field.is_layer());
                         let layers: Vec<&Buffer> = layers.map(|target| &target.buffer).collect();
-                        kept.add(self.device, view.size, &layers, (corner, extent), share)?;
+                        growing.add(self.device, view.size, &layers, (corner, extent), share)?;
                     }
                 }
                 done += 1.0;
@@ -334,32 +341,47 @@ impl<'j> Job<'j> {
     }
 
     /// Makes what is kept and not there.
-    fn fill(&mut self) -> Result<()> {
+    fn fill(&mut self, limits: &Limits) -> Result<()> {
         let fillings = std::mem::take(&mut self.fillings);
+        // What passes make together is made together: adding to what is still good would spoil it.
+        loop {
+            let stale = |filling: &&Filling| filling.is_needed(self.store);
+            let needed = fillings.iter().filter(stale);
+            let together: Vec<_> = needed
+                .flat_map(|filling| filling.makes().map(|name| (filling.effect.name, name)))
+                .filter(|(effect, name)| !self.store.is_stale(effect, name))
+                .collect();
+            if together.is_empty() {
+                break;
+            }
+            for (effect, name) in together {
+                self.store.spoil(effect, name);
+            }
+        }
         let zeroed: Vec<Buffer> = self.store.zeroed(Life::Kept).cloned().collect();
         self.clear(&zeroed);
         let needed: Vec<&Filling> = fillings
             .iter()
-            .filter(|filling| is_needed(filling, self.store))
+            .filter(|filling| filling.is_needed(self.store))
             .collect();
         for filling in &needed {
+            limits.check()?;
             match &filling.until {
-                None => {
-                    for stage in &filling.stages {
-                        self.run_kept(*stage)?;
-                    }
-                }
+                None => self.turn(filling)?,
                 Some((until, settings)) => {
-                    let settings = Settings { values: settings };
+                    let effect = filling.effect.name;
+                    let settings = Settings {
+                        effect,
+                        values: settings,
+                    };
                     let most = (until.most)(&settings);
                     let mut turns = 0;
                     while turns < most {
                         for _ in 0..until.turns.clamp(1, most - turns) {
-                            for stage in &filling.stages {
-                                self.run_kept(*stage)?;
-                            }
+                            self.turn(filling)?;
                             turns += 1;
                         }
+                        limits.check()?;
                         let found = self.read_product(filling.effect.name, until.condition.name)?;
                         if (until.holds)(&found, &settings) {
                             break;
@@ -369,8 +391,8 @@ impl<'j> Job<'j> {
             }
         }
         for filling in &needed {
-            let made = self.store.made(filling.effect.name);
-            for name in made {
+            for name in filling.makes() {
+                self.store.made(filling.effect.name, name);
                 if !self.made.products.contains(&name) {
                     self.made.products.push(name);
                 }
@@ -379,17 +401,28 @@ impl<'j> Job<'j> {
         Ok(())
     }
 
+    /// Runs the passes of a filling once.
+    fn turn(&mut self, filling: &Filling) -> Result<()> {
+        for stage in &filling.stages {
+            self.run_kept(*stage)?;
+        }
+        Ok(())
+    }
+
     /// The numbers of a product.
-    fn read_product(&self, effect: &'static str, name: &'static str) -> Result<Vec<u32>> {
-        let Some(buffer) = self.store.buffer_of(effect, name) else {
+    fn read_product(&mut self, effect: &'static str, name: &'static str) -> Result<Vec<u32>> {
+        let Some((buffer, bytes)) = self.store.buffer_of(effect, name) else {
             return Ok(Vec::new());
         };
-        let bytes = buffer.size().min(self.staging.size());
+        let buffer = buffer.clone();
+        let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        let what = "what a loop reads back";
+        let staging = self.store.buffer(self.device, what, bytes, usage)?;
         let device = &self.device.device;
         let mut encoder = device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, 0, bytes);
+        encoder.copy_buffer_to_buffer(&buffer, 0, &staging, 0, bytes);
         self.device.queue.submit([encoder.finish()]);
-        let found = self.device.read(&self.staging, bytes)?;
+        let found = self.device.read(&staging, bytes)?;
         Ok(bytemuck::pod_collect_to_vec(&found))
     }
 
@@ -446,7 +479,11 @@ impl<'j> Job<'j> {
 
     fn run(&mut self, index: usize, corner: UVec2, extent: UVec2, rays: &[Ray]) -> Result<()> {
         if self.found_by_cpu(&self.stages[index]) {
-            return self.draw_by_cpu(index, extent, rays);
+            // Points are known, and take the place of what rays meet behind this.
+            return match self.plan.conditions.view.points() {
+                Some(_) => Ok(()),
+                None => self.draw_by_cpu(index, extent, rays),
+            };
         }
         let stage = &mut self.stages[index];
         match &stage.work {
@@ -516,6 +553,7 @@ impl<'j> Job<'j> {
                 triangles: self.triangles.counts(),
                 timer: &mut *self.timer,
                 number: self.stages.len(),
+                eye: self.plan.conditions.view.camera.eye,
             };
             let ask = self.slots.maps_of(beam, maps, drawing)?;
             let zeroed: Vec<Buffer> = self.store.zeroed(Life::Beam).cloned().collect();

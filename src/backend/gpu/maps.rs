@@ -61,6 +61,10 @@ struct Covered {
 
 /// Width of a pixel in the middle of the picture at a depth [m].
 fn pixel_width(conditions: &Conditions, depth: f64) -> f64 {
+    if conditions.view.points().is_some() {
+        // Points have no pixels: maps are as fine as they may be.
+        return 0.0;
+    }
     let middle = 0.5 * UVec2::from(conditions.view.size).as_dvec2();
     let at = |x: f64, y: f64| {
         let ray = conditions

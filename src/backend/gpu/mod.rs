@@ -148,21 +148,28 @@ impl Gpu {
         )
     }
 
-    /// Renders a plan and leaves the picture on the device: nothing is read back but what effects on the CPU need.
+    /// Renders a plan and leaves the picture on the device: nothing is read back but what effects on the CPU need. Beside it what
+    /// [`Gpu::render`] gives, with an empty frame.
     ///
     /// # Errors
     /// Those of [`Gpu::render`]; [`Error::Failed`] for a picture larger than a binding of the device.
-    pub fn render_on_device(&mut self, plan: &Plan, limits: &Limits) -> Result<OnDevice> {
-        let mut kept = on_device::Growing::wanted(self.adder.take());
-        let rendered = self.run(plan, limits, &|_| {}, false, &mut kept);
-        self.adder = kept.adder.take();
-        rendered?;
-        kept.into_picture().ok_or_else(|| {
+    pub fn render_on_device(
+        &mut self,
+        plan: &Plan,
+        limits: &Limits,
+        progress: Progress,
+    ) -> Result<(OnDevice, Rendered)> {
+        let mut growing = on_device::Growing::wanted(self.adder.take());
+        let rendered = self.run(plan, limits, progress, false, &mut growing);
+        self.adder = growing.adder.take();
+        let rendered = rendered?;
+        let picture = growing.into_picture().ok_or_else(|| {
             Error::failed(
                 "the picture has no pixels",
                 "give it a size of at least 1 x 1",
             )
-        })
+        })?;
+        Ok((picture, rendered))
     }
 
     /// Paints a map: the sky above the horizon, `ground` [cd/m2] below, black outside the circle of a fisheye. The sun's disc is not

@@ -2,11 +2,10 @@
 
 use super::beams::BeamMaps;
 use super::device::Device;
-use super::draw::texture;
 use super::pipeline::{Compile, Pipelines, Raster};
 use super::scene::SceneOnDevice;
 use super::schedule::{Schedule, Touched};
-use super::source::knob_bytes;
+use super::source::{knob_bytes, knobs};
 use super::store::Store;
 use super::tile::Target;
 use crate::effect::{
@@ -65,6 +64,7 @@ pub struct Faces {
 /// Passes that fill what is kept, in their order; those of one loop are one entry.
 pub struct Filling {
     pub effect: &'static Effect,
+    pub passes: Vec<&'static Pass>,
     pub stages: Vec<usize>,
     pub until: Option<(&'static Loop, Vec<(&'static str, f64)>)>,
 }
@@ -93,6 +93,7 @@ impl<'p> Maker<'_, 'p> {
         let plan = self.plan;
         for step in plan.running() {
             let settings = Settings {
+                effect: step.effect.name,
                 values: &step.settings,
             };
             let effect = step.effect;
@@ -193,7 +194,7 @@ impl<'p> Maker<'_, 'p> {
                     self.push(effect, pass.entry, work);
                 }
                 RasterView::Beam(wanted) if self.maps.is_none() => {
-                    let settings = self.checked(wanted(settings))?;
+                    let settings = self.checked(effect, wanted(settings))?;
                     self.maps = Some(BeamMaps {
                         effect,
                         pass: pass.entry,
@@ -221,15 +222,16 @@ impl<'p> Maker<'_, 'p> {
                     let side = faces.width();
                     let work = Faces {
                         views: views.collect(),
-                        depth: texture(
-                            self.device,
-                            "depth of a hemicube",
-                            UVec2::splat(side),
-                            1,
-                            TextureFormat::Depth32Float,
-                            TextureUsages::RENDER_ATTACHMENT,
-                        )
-                        .create_view(&Default::default()),
+                        depth: self
+                            .store
+                            .texture(
+                                self.device,
+                                "depth of a hemicube",
+                                UVec2::splat(side),
+                                TextureFormat::Depth32Float,
+                                TextureUsages::RENDER_ATTACHMENT,
+                            )
+                            .create_view(&Default::default()),
                         side,
                     };
                     self.schedule_pass(effect, pass, None);
@@ -301,10 +303,12 @@ impl<'p> Maker<'_, 'p> {
                 .is_some_and(|(other, _)| std::ptr::eq(*other, until))
         {
             last.stages.push(number);
+            last.passes.push(pass);
             return;
         }
         self.fillings.push(Filling {
             effect,
+            passes: vec![pass],
             stages: vec![number],
             until: until.map(|until| (until, settings.values.to_vec())),
         });
@@ -319,8 +323,8 @@ impl<'p> Maker<'_, 'p> {
             return match beams.is_empty() {
                 true => Ok(Vec::new()),
                 false => Err(Error::failed(
-                    "an effect runs for each beam of light, and the effect that draws the shadow maps of beams does not run",
-                    "leave `shadow` in, or leave the other out with --without",
+                    "an effect runs for each beam of light, and the effect that draws the shadow maps of beams was left out",
+                    "leave both in or both out: `tyndall plan` lists them",
                 )),
             };
         };
@@ -331,14 +335,14 @@ impl<'p> Maker<'_, 'p> {
     }
 
     /// Whether the device takes maps of that size.
-    fn checked(&self, settings: MapSettings) -> Result<MapSettings> {
+    fn checked(&self, effect: &Effect, settings: MapSettings) -> Result<MapSettings> {
         let most = self.device.limits().max_texture_dimension_2d;
         if settings.most > most {
             return Err(Error::domain(
-                "shadow.resolution",
+                format!("the resolution of the maps of `{}`", effect.name),
                 settings.most,
-                format!("16 to {most} on {}", self.device.adapter.name),
-                "set a lower one with --set shadow.resolution=N",
+                format!("16 to {most} texels on {}", self.device.adapter.name),
+                format!("set a lower one with --set {}.resolution=N", effect.name),
             ));
         }
         Ok(settings)
@@ -393,10 +397,10 @@ impl<'p> Maker<'_, 'p> {
                     })));
                     continue;
                 }
-                Resource::Knobs(knobs) => Some(self.store.filled(
+                Resource::Knobs(_) => Some(self.store.filled(
                     device,
                     &name("the knobs"),
-                    &knob_bytes(&knobs(conditions, settings)),
+                    &knob_bytes(&knobs(effect, pass, conditions, settings)),
                     BufferUsages::UNIFORM,
                 )?),
                 Resource::Table(make) => Some(self.store.filled(
@@ -444,14 +448,26 @@ impl<'p> Maker<'_, 'p> {
     }
 }
 
-/// Whether a filling makes something that is not there.
-pub fn is_needed(filling: &Filling, store: &Store) -> bool {
-    filling
-        .effect
-        .passes
-        .iter()
-        .flat_map(|pass| pass.uses)
-        .filter_map(Resource::product)
-        .filter(|product| product.life() == Life::Kept)
-        .any(|product| store.is_stale(filling.effect.name, product.name))
+impl Filling {
+    /// The kept products that its passes make.
+    pub fn makes(&self) -> impl Iterator<Item = &'static str> + '_ {
+        let uses = self.passes.iter().flat_map(|pass| pass.uses);
+        uses.filter_map(|resource| match resource {
+            Resource::Make(product) if product.life() == Life::Kept => Some(product.name),
+            _ => None,
+        })
+    }
+
+    /// Whether it makes something that is not there; one that makes nothing itself draws what the effect's others need.
+    pub fn is_needed(&self, store: &Store) -> bool {
+        let stale = |name| store.is_stale(self.effect.name, name);
+        if self.makes().next().is_some() {
+            return self.makes().any(stale);
+        }
+        let uses = self.effect.passes.iter().flat_map(|pass| pass.uses);
+        let products = uses.filter_map(Resource::product);
+        products
+            .filter(|product| product.life() == Life::Kept)
+            .any(|product| stale(product.name))
+    }
 }

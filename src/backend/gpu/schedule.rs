@@ -26,7 +26,13 @@ impl Touched {
     pub fn by_host(effect: &'static Effect) -> Self {
         let things = |fields: &[Field]| fields.iter().map(|f| Thing::Field(*f)).collect::<Vec<_>>();
         Touched {
-            reads: [things(effect.reads), vec![Thing::Field(Field::Surface)]].concat(),
+            reads: [
+                things(effect.reads),
+                // What is altered is read.
+                things(effect.alters),
+                vec![Thing::Field(Field::Surface)],
+            ]
+            .concat(),
             changes: [things(effect.writes), things(effect.alters)].concat(),
         }
     }
@@ -37,8 +43,8 @@ impl Touched {
         for resource in pass.uses {
             match resource {
                 Resource::Read(field) => touched.reads.push(Thing::Field(*field)),
-                Resource::Update(field) => touched.changes.push(Thing::Field(*field)),
-                Resource::Each => touched.changes.extend(each.map(Thing::Field)),
+                Resource::Update(field) => touched.change(effect, *field),
+                Resource::Each => each.iter().for_each(|field| touched.change(effect, *field)),
                 Resource::Use(product) => {
                     touched
                         .reads
@@ -61,6 +67,14 @@ impl Touched {
             });
         }
         touched
+    }
+
+    /// A field that is written or added to, or altered, which reads it.
+    fn change(&mut self, effect: &Effect, field: Field) {
+        self.changes.push(Thing::Field(field));
+        if effect.alters.contains(&field) {
+            self.reads.push(Thing::Field(field));
+        }
     }
 
     /// Whether the order of two stages matters.
@@ -105,8 +119,10 @@ impl Schedule {
             let behind = self.touched[last + 1..].iter().flatten();
             let between = behind.clone().any(|(_, other)| touched.depends_on(other));
             let among = self.touched[last].iter().any(|(owner, other)| {
-                let reads = touched.reads.iter();
-                *owner != effect && reads.clone().any(|thing| other.changes.contains(thing))
+                let meets = |a: &[Thing], b: &[Thing]| a.iter().any(|thing| b.contains(thing));
+                let after = meets(&touched.reads, &other.changes);
+                let before = meets(&touched.changes, &other.reads);
+                *owner != effect && (after || before)
             });
             if !between && !among {
                 if let Action::Beams(stages) = &mut self.actions[last] {
@@ -176,9 +192,11 @@ mod tests {
         schedule.each_beam(5, "glow", touched(&[Transmittance], &[Sky]));
         // Its own passes may go on from beam to beam.
         schedule.each_beam(6, "glow", touched(&[Sky], &[Sky]));
+        // Changes what another one reads for each beam, which must not see it early.
+        schedule.each_beam(7, "late", touched(&[], &[Transmittance]));
         assert_eq!(
             order(&schedule),
-            [vec![0], vec![1, 3], vec![2], vec![4], vec![5, 6]]
+            [vec![0], vec![1, 3], vec![2], vec![4], vec![5, 6], vec![7]]
         );
     }
 

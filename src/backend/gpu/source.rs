@@ -53,6 +53,36 @@ impl Binding {
     }
 }
 
+/// The passes of an effect that have one text with a pass.
+fn of_same_text<'e>(effect: &'e Effect, pass: &'e Pass) -> impl Iterator<Item = &'e Pass> {
+    effect
+        .passes
+        .iter()
+        .filter(move |other| other.shader == pass.shader)
+}
+
+/// The numbers that a pass's shader knows by name: those of all passes of its text.
+pub(super) fn knobs(
+    effect: &Effect,
+    pass: &Pass,
+    conditions: &Conditions,
+    settings: &Settings<'_>,
+) -> Vec<(&'static str, Number)> {
+    let others = of_same_text(effect, pass).flat_map(|p| p.uses);
+    let mut all: Vec<(&'static str, Number)> = Vec::new();
+    for resource in pass.uses.iter().chain(others) {
+        let Resource::Knobs(own) = resource else {
+            continue;
+        };
+        for (name, number) in own(conditions, settings) {
+            if all.iter().all(|(known, _)| *known != name) {
+                all.push((name, number));
+            }
+        }
+    }
+    all
+}
+
 /// All that the text of a pass's shader names, in the order of the bindings, and how: what the pass itself sees, which is so many,
 /// and then what only other passes of the same text do. What any of them writes, all may: it is one text.
 pub(super) fn bindings(effect: &Effect, pass: &Pass) -> (Vec<(Resource, Binding)>, usize) {
@@ -113,7 +143,9 @@ pub fn shader_text(
             Binding::Texture | Binding::TextureArray => "",
         };
         match resource {
-            Resource::Knobs(knobs) => text += &knob_struct(&knobs(conditions, settings)),
+            Resource::Knobs(_) => {
+                text += &knob_struct(&knobs(effect, pass, conditions, settings));
+            }
             Resource::Sky => text += &sky_table(),
             _ => {}
         }

@@ -9,6 +9,9 @@ use glam::{DVec3, UVec2};
 use std::collections::HashMap;
 use wgpu::*;
 
+/// Products that no effect of the present plan names are kept up to this size [bytes].
+const IDLE: u64 = 512 << 20;
+
 /// A buffer, and whether the present plan names it.
 struct Held {
     buffer: Buffer,
@@ -26,6 +29,8 @@ struct MadeOf {
 struct HeldProduct {
     held: Held,
     product: Product,
+    /// As many as were asked for; the buffer may be larger.
+    bytes: u64,
     /// Absent: it is not made yet.
     made_of: Option<MadeOf>,
     /// What it would be made of now.
@@ -50,15 +55,24 @@ impl Store {
         self.products
             .values_mut()
             .for_each(|product| product.held.named = false);
-        self.faces
-            .values_mut()
-            .for_each(|(_, named)| *named = false);
+        let textures = self.textures.values_mut().chain(self.faces.values_mut());
+        textures.for_each(|(_, named)| *named = false);
     }
 
-    /// Drops what the plan did not name.
-    pub fn finish(&mut self) {
+    /// Drops what the plan did not name, but for kept products that still hold: a later plan may ask for them again.
+    pub fn finish(&mut self, conditions: &Conditions, anchor: DVec3) {
         self.buffers.retain(|_, held| held.named);
-        self.products.retain(|_, product| product.held.named);
+        let mut idle = 0;
+        self.products.retain(|_, product| {
+            let holds = product.made_of.as_ref().is_some_and(|made| {
+                made.anchor == anchor
+                    && made.snapshot.still_holds(conditions, product.product.reads)
+            });
+            if !product.held.named && holds {
+                idle += product.held.buffer.size();
+            }
+            product.held.named || holds && idle <= IDLE
+        });
         self.textures.retain(|_, (_, named)| *named);
         self.faces.retain(|_, (_, named)| *named);
     }
@@ -145,6 +159,7 @@ impl Store {
             && fits(&known.held.buffer, bytes)
         {
             known.held.named = true;
+            known.bytes = bytes;
             let holds = known.made_of.as_ref().is_some_and(|made| {
                 made.anchor == anchor
                     && made.settings == settings.values
@@ -165,6 +180,7 @@ impl Store {
                 named: true,
             },
             product: *product,
+            bytes,
             made_of: None,
             now,
         };
@@ -173,10 +189,16 @@ impl Store {
     }
 
     /// Whether a kept product must be made.
-    pub fn is_stale(&self, effect: &str, name: &str) -> bool {
-        let mut products = self.products.iter();
-        let found = products.find(|((e, n), _)| *e == effect && *n == name);
-        found.is_some_and(|(_, product)| product.made_of.is_none())
+    pub fn is_stale(&self, effect: &'static str, name: &'static str) -> bool {
+        let found = self.products.get(&(effect, name));
+        found.is_some_and(|product| product.made_of.is_none())
+    }
+
+    /// Lets a kept product be made again, from the beginning.
+    pub fn spoil(&mut self, effect: &'static str, name: &'static str) {
+        if let Some(product) = self.products.get_mut(&(effect, name)) {
+            product.made_of = None;
+        }
     }
 
     /// Lets all kept products be made again.
@@ -184,20 +206,17 @@ impl Store {
         self.products.values_mut().for_each(|p| p.made_of = None);
     }
 
-    /// Says that the kept products of an effect are made; their names.
-    pub fn made(&mut self, effect: &str) -> Vec<&'static str> {
-        let of_it = self.products.iter_mut().filter(|((e, _), _)| *e == effect);
-        of_it
-            .filter_map(|((_, name), product)| {
-                product.made_of = Some(product.now.take()?);
-                Some(*name)
-            })
-            .collect()
+    /// Says that a kept product is made.
+    pub fn made(&mut self, effect: &'static str, name: &'static str) {
+        if let Some(product) = self.products.get_mut(&(effect, name)) {
+            product.made_of = product.now.take();
+        }
     }
 
-    /// The buffer of a product that the plan names.
-    pub fn buffer_of(&self, effect: &'static str, name: &'static str) -> Option<&Buffer> {
-        self.products.get(&(effect, name)).map(|p| &p.held.buffer)
+    /// The buffer of a product that the plan names, and its bytes.
+    pub fn buffer_of(&self, effect: &'static str, name: &'static str) -> Option<(&Buffer, u64)> {
+        let product = self.products.get(&(effect, name))?;
+        Some((&product.held.buffer, product.bytes))
     }
 
     /// The buffers of products of such a life that begin as zeros: of kept ones those that are to be made.

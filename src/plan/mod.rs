@@ -3,10 +3,10 @@
 //! A plan also checks its flow: an effect whose fields nobody writes is left out, one that no effect before it could serve is
 //! refused, and so is one whose passes do not name what it says that it reads and writes.
 
+mod flow;
+
 use crate::conditions::Conditions;
-use crate::effect::{
-    ALL, Contribution, Decision, Effect, Field, Life, Method, Over, Resource, When,
-};
+use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Settings, When};
 use crate::error::{Error, Result, nearest};
 use crate::frame::Part;
 use glam::DVec2;
@@ -105,7 +105,7 @@ impl<'c> Plan<'c> {
         effects: &[&'static Effect],
     ) -> Result<Self> {
         for (place, effect) in effects.iter().enumerate() {
-            check_flow(effect, &effects[..place])?;
+            flow::check(effect, &effects[..place])?;
         }
         let find = |name: &str| find(effects, name);
         for name in overrules.force.iter().chain(&overrules.without) {
@@ -189,7 +189,35 @@ impl<'c> Plan<'c> {
         for (target, value) in &overrules.set {
             plan.set(target, *value)?;
         }
+        plan.draw_maps(&overrules.without);
         Ok(plan)
+    }
+
+    /// Lets shadow maps be drawn if an effect that runs has beams and nobody draws their maps: at night a lamp has shadows too.
+    fn draw_maps(&mut self, without: &[String]) {
+        let asks = self.running().any(|step| {
+            let settings = Settings {
+                effect: step.effect.name,
+                values: &step.settings,
+            };
+            step.effect.passes.iter().any(|pass| match pass.when {
+                When::EachBeam(beams) => !beams(self.conditions, &settings).is_empty(),
+                _ => false,
+            })
+        });
+        if !asks || self.running().any(|step| step.effect.draws_maps()) {
+            return;
+        }
+        let mut steps = self.steps.iter_mut();
+        let drawing = steps.find(|step| {
+            step.effect.draws_maps() && !without.iter().any(|name| step.effect.is_called(name))
+        });
+        if let Some(step) = drawing {
+            step.decision = Decision::run(
+                "an effect asks for the shadow maps of its beams",
+                Contribution::Everything,
+            );
+        }
     }
 
     fn set(&mut self, target: &str, value: f64) -> Result<()> {
@@ -289,112 +317,6 @@ fn unserved(effect: &Effect, before: &[Step]) -> Option<String> {
         !running.any(|step| step.effect.writes.contains(field))
     })?;
     Some(format!("nothing makes `{}`", missing.name()))
-}
-
-/// Whether an effect fits behind others, and its passes fit it.
-fn check_flow(effect: &Effect, before: &[&'static Effect]) -> Result<()> {
-    let defect = |problem: String| {
-        Err(Error::failed(
-            format!("the effect `{}` {problem}", effect.name),
-            "mend the effect, or the order of the effects: the documentation of the module `effect` says how they fit together",
-        ))
-    };
-    for field in effect.reads {
-        if !before.iter().any(|other| other.writes.contains(field)) {
-            return defect(format!(
-                "reads `{}`, which no effect before it writes",
-                field.name()
-            ));
-        }
-    }
-    let lit = |pass: &&crate::effect::Pass| matches!(pass.when, When::EachBeam(_));
-    if effect.passes.iter().any(|pass| lit(&pass))
-        && !effect.draws_maps()
-        && !before.iter().any(|other| other.draws_maps())
-    {
-        return defect(
-            "has passes for each beam, but no effect up to it draws the maps of beams".into(),
-        );
-    }
-    if effect.passes.is_empty() {
-        return Ok(());
-    }
-    let (mut read, mut updated) = (Vec::new(), Vec::new());
-    for pass in effect.passes {
-        if let Over::Fields(fields) = pass.over {
-            updated.extend(fields);
-        }
-        let kept = matches!(pass.when, When::Once | When::Until(_));
-        let of_tile = pass.uses.iter().find_map(|resource| match resource {
-            Resource::Read(field) | Resource::Update(field) => Some(field.name()),
-            Resource::Use(product) | Resource::Make(product) => {
-                (product.life() != Life::Kept).then_some(product.name)
-            }
-            Resource::Numbers => Some("numbers"),
-            _ => None,
-        });
-        if let (true, Some(name)) = (kept, of_tile) {
-            return defect(format!(
-                "fills what is kept from a field of a tile, `{name}`: there is no tile yet"
-            ));
-        }
-        for resource in pass.uses {
-            match resource {
-                Resource::Read(field) => read.push(*field),
-                Resource::Update(field) => updated.push(*field),
-                Resource::Use(product) => {
-                    let made = effect.passes.iter().flat_map(|pass| pass.uses).any(
-                        |other| matches!(other, Resource::Make(made) if made.name == product.name),
-                    );
-                    if !made {
-                        return defect(format!(
-                            "uses `{}`, which none of its passes makes",
-                            product.name
-                        ));
-                    }
-                }
-                _ => {}
-            }
-        }
-    }
-    let changed = |field: &Field| effect.writes.contains(field) || effect.alters.contains(field);
-    if let Some(field) = read
-        .iter()
-        .find(|field| !effect.reads.contains(field) && !changed(field))
-    {
-        return defect(format!(
-            "does not say that it reads `{}`, as one of its passes does",
-            field.name()
-        ));
-    }
-    if let Some(field) = updated.iter().find(|field| !changed(field)) {
-        return defect(format!(
-            "does not say that it writes or alters `{}`, as one of its passes does",
-            field.name()
-        ));
-    }
-    if let Some(field) = effect
-        .reads
-        .iter()
-        .find(|field| !read.contains(field) && !updated.contains(field))
-    {
-        return defect(format!(
-            "says that it reads `{}`, and none of its passes does",
-            field.name()
-        ));
-    }
-    if let Some(field) = effect
-        .writes
-        .iter()
-        .chain(effect.alters)
-        .find(|field| !updated.contains(field))
-    {
-        return defect(format!(
-            "says that it writes or alters `{}`, and none of its passes does",
-            field.name()
-        ));
-    }
-    Ok(())
 }
 
 /// Where rays go through a pixel of side 1: its centre for one, else a rank-1 lattice by the golden ratio, the same in every
