@@ -1,7 +1,7 @@
 // Light that the sky lacks where geometry shadows the clear air: gathered for each point of the sun by marching, then taken.
 
 fn is_open(i: u32) -> bool {
-    return surfaces[i].number == 0u && any(background[i].xyz > vec3f(0.0));
+    return surfaces[i].number == NOTHING && any(background[i].xyz > vec3f(0.0));
 }
 
 @compute @workgroup_size(8, 8)

@@ -110,7 +110,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
         // The sample's ray meets the pixel's surface in its plane, else its distance would go in steps.
         let met = ray_origin(at) + surface.distance * ray_direction(at) - sample.origin;
         let distance = dot(surface.facet, met) / dot(surface.facet, sample.direction);
-        if surface.number != 0u && distance > 0.5 * surface.distance && distance < 2.0 * surface.distance {
+        if surface.number != NOTHING && distance > 0.5 * surface.distance && distance < 2.0 * surface.distance {
             surface.distance = distance;
         }
         let span = shaded_span(sample.origin, sample.direction, surface);
@@ -131,7 +131,7 @@ fn sample_light(rows: Rows, slice_number: u32, number: u32) -> vec3f {
     }
     let sample = sample_of(rows, slice_number, number);
     var surface: Surface;
-    surface.number = select(0u, 2u, end > 0.0);
+    surface.number = select(NOTHING, GROUND, end > 0.0);
     surface.distance = select(NO_HIT, air_span(sample.origin, sample.direction).x + end, end > 0.0);
     let span = shaded_span(sample.origin, sample.direction, surface);
     let row = min(u32((f32(slice_number) + 0.5) * f32(rows.count) / f32(knobs.slices)), rows.count - 1u);

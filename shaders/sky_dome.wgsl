@@ -7,7 +7,7 @@ fn shine(@builtin(global_invocation_id) id: vec3u) {
     }
     let direction = ray_direction(id);
     let i = pixel_index(id);
-    if surfaces[i].number == 0u && direction.y >= 0.0 {
+    if surfaces[i].number == NOTHING && direction.y >= 0.0 {
         background[i] += vec4f(sky(direction), 0.0);
     }
 }

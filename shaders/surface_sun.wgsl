@@ -37,7 +37,7 @@ fn light_surfaces(@builtin(global_invocation_id) id: vec3u) {
     let i = pixel_index(id);
     let surface = surfaces[i];
     let cosine = dot(surface.normal, beam.toward);
-    if surface.number == 0u || cosine <= 0.0 || dot(surface.facet, beam.toward) <= 0.0 {
+    if surface.number == NOTHING || cosine <= 0.0 || dot(surface.facet, beam.toward) <= 0.0 {
         return;
     }
     let p = ray_origin(id) + surface.distance * ray_direction(id);

@@ -9,6 +9,6 @@ fn attenuate(@builtin(global_invocation_id) id: vec3u) {
     let direction = ray_direction(id);
     let surface = surfaces[pixel_index(id)];
     // Air that a surface lies behind attenuates its light beyond the end of rays that meet nothing, too.
-    let end = select(surface.distance, ray_end(surface, origin, direction), surface.number == 0u);
+    let end = select(surface.distance, ray_end(surface, origin, direction), surface.number == NOTHING);
     transmittance[pixel_index(id)] = vec4f(exp(-optical_depth(origin, direction, end, sources_of(surface))), 0.0);
 }

@@ -68,7 +68,7 @@ fn met_triangle(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
     let edge = cross(b - a, c - a);
     let across = dot(edge, direction);
     var surface: Surface;
-    surface.number = triangle + 2u;
+    surface.number = triangle + GROUND + 1u;
     surface.facet = normalize(edge) * select(1.0, -1.0, across > 0.0);
     // The rasteriser may name a triangle that the ray passes by a hair; it is met at its border then.
     var p = select(dot(edge, a) / across, dot(a, direction), abs(across) < 1e-9 * length(edge)) * direction - a;
@@ -114,7 +114,7 @@ fn resolve(@builtin(global_invocation_id) id: vec3u) {
     } else {
         let height = tile.ground.w + origin.y;
         if tile.grounded != 0u && direction.y < 0.0 && height > 0.0 {
-            surface.number = 1u;
+            surface.number = GROUND;
             surface.distance = min(height / -direction.y, NO_HIT);
             surface.normal = vec3f(0.0, 1.0, 0.0);
             surface.facet = surface.normal;

@@ -39,7 +39,7 @@
 //! | [`warning`] | what was left out, is doubtful or approximate, and what to do |
 //! | [`beam`] | light from a direction or a place, which shadows and scattering go by |
 //! | [`colour`] | spectra, CIE 1931, RGB spaces, exposure, display transform |
-//! | [`ephemeris`] | where the sun is, at four prices; times and zones as people write them |
+//! | [`ephemeris`] | where the sun is, in four tiers of accuracy; times and zones as people write them |
 //! | [`sky`] | sky models, twilight, the sun's light, dome patches |
 //! | [`medium`] | phase functions, densities, optical depth and its integrals |
 //! | [`scene`] | geometry, materials, cameras, loading, what stands in the way of light |
@@ -54,7 +54,7 @@
 //!
 //! # How to add an effect
 //!
-//! Two files and one line: see [`effect`].
+//! Two files and their names in the list: see [`effect`].
 //!
 //! # Conventions
 //!

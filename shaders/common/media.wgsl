@@ -30,7 +30,7 @@ const ONLY_CLEAR = 2u;
 
 // On a ray that meets nothing, sky and sun hold the clear air already: it sends no light then but takes from what other media send.
 fn sources_of(surface: Surface) -> u32 {
-    return select(ALL_MEDIA, ALL_BUT_CLEAR, surface.number == 0u);
+    return select(ALL_MEDIA, ALL_BUT_CLEAR, surface.number == NOTHING);
 }
 
 fn is_source(medium: Medium, sources: u32) -> bool {

@@ -2,33 +2,53 @@
 //!
 //! # How to add an effect
 //!
-//! Write `src/effect/<name>.rs` with its documentation (equations, source, what is neglected), a constant [`Effect`] and its
-//! tests, `shaders/<name>.wgsl` with the kernels that its [`Pass`]es name, and name the constant in [`ALL`] and its module here, after those whose
-//! fields it reads. The plan then lists it with its decision, reason and bound; `--force`, `--without` and `--set` reach it; the
-//! backends run it, the report times it and the parity tests compare it. A new kind of result is one more line of the table of
-//! [`Field`]s.
+//! 1. Write `src/effect/<name>.rs`: its documentation (equations, source, what is neglected), a constant [`Effect`] whose `name` is
+//!    that of the file, and its tests.
+//! 2. Write `shaders/<name>.wgsl` with the kernels that its [`Pass`]es name, and give it to them by
+//!    `include_str!("../../shaders/<name>.wgsl")`.
+//! 3. Declare the module here and name the constant in [`ALL`] (`src/effect/all.rs`), after those whose fields it reads and before
+//!    `compose`, which multiplies what surfaces and background send by the transmittance; what the air sends is left as it is.
+//!
+//! The plan then lists it with its decision, reason and bound; `--force`, `--without` and `--set` reach it; the backends run it, the
+//! report times it and the parity tests compare it. A new kind of result is one more line of the table of [`Field`]s.
+//!
+//! An effect whose `reads` nobody writes in a scene does not run there, and the plan says so: without media nobody writes
+//! `transmittance`.
 //!
 //! ## On the CPU
 //!
 //! `decide` tells before anything is rendered whether the scene calls for it. `reference` prepares what a frame needs once and
-//! returns the function that is run on batches of rays: [`Fields::update`] goes through the rays with their surfaces. Physics is
-//! f64.
+//! returns the function that is run on batches of rays: [`Fields::update`] goes through the rays with their surfaces,
+//! [`Fields::update_by`] with the values of another field too. It gets only the fields that the effect names. Physics is f64.
 //!
 //! ## On a GPU
 //!
 //! Without [`Pass`]es the CPU does its work there too, between the GPU's: the fields that it reads, writes or alters are fetched
-//! from the device as the effects before it left them, and brought back. Nothing need be done for it.
+//! from the device as the effects before it left them, and brought back.
 //!
-//! A pass is one entry point. What the backend prints before the shader's text:
-//! - a declaration for each of the pass's `uses`, in bind group 1, under the names that [`Resource`] tells. A field is
-//!   `array<vec4f>`, one value a pixel, RGB in `xyz`; add to it (`lights[i] += ...`), since others may have;
-//! - `shaders/common`: `tile` (the tile, the camera), `rays`, `media`, and their functions; in passes for each beam `beam` and its
-//!   maps. These names and those of the functions there are taken: the test `shaders_are_valid` tells of one that is used twice;
-//! - constants that Rust and WGSL share ([`crate::backend::gpu`]), so that no number stands twice.
+//! A pass is one entry point. What the backend puts before the shader's text:
+//! - declarations in bind group 1 of all that its passes of the same text name in their `uses`, under the names that [`Resource`]
+//!   tells. A field is `array<vec4f>`, one value a pixel, RGB in `xyz`; add to it (`lights[i] += ...`), since others may have. What one
+//!   of these passes writes all may write; `knobs` has the members that any of them asks for;
+//! - all of `shaders/common` but the files that some effects alone read (`rows.wgsl`, `sky_table.wgsl`). Names there are taken: the test
+//!   `shaders_are_valid` tells of one that is used twice;
+//! - constants that Rust and WGSL share, so that no number stands twice.
 //!
-//! A pass over pixels has `@workgroup_size(8, 8)`, and begins by leaving those outside the picture alone. Its ray begins at
-//! `ray_origin(id)`, relative to the eye, in the direction `ray_direction(id)`, and meets its surface at `surfaces[i].distance`; a
-//! surface of number `NOTHING` is none.
+//! | what a kernel may call | |
+//! |---|---|
+//! | `inside_tile(id)`, `pixel_index(id)` | whether a pixel is one of the picture, and its place in fields |
+//! | `ray_origin(id)`, `ray_direction(id)` | its ray, relative to the eye; `surfaces[i].distance` [m] along it is its surface, `NO_HIT` if `surfaces[i].number` is `NOTHING` |
+//! | `eye_relative(p)` | a corner of the scene relative to the eye. Other places of the scene come as knobs, `position - eye` taken in f64 |
+//! | `air_span(o, d)`, `ray_end(surface, o, d)`, `sources_of(surface)` | where a ray meets air, where it ends, which media send light on it |
+//! | `optical_depth(o, d, distance, sources)`, `sun_optical_depth(p, toward)` | along a ray; from a place to the sun |
+//! | `beam_toward(p)`, `beam_illuminance(p)`, `beam_reaches(p)` | in passes for each beam: its light at a place, without shadow and media; whether anything stands in its way |
+//! | `beam_scattered(o, d, t, sources)` | what the air sends to the eye from a place of the ray, for a beam that reaches it |
+//! | `begin_runs`, `turn`, `integrate_runs`, `shaded_span`, `light_coordinates` | of parallel light alone: lit runs in closed form, where shadows may lie |
+//!
+//! A pass over pixels has `@workgroup_size(8, 8)` and begins by leaving those outside the picture alone; one over groups has the size
+//! that it wants.
+//!
+//! Compare both backends with one sample a pixel, or by `--check`: of several, the reference takes them only where pixels differ.
 //!
 //! ## All of one
 //!
@@ -115,7 +135,9 @@
 //! | sun, sky, media | until the moment changes | light in the air | the sky's light on surfaces |
 //! | geometry, materials alone | as long as the scene | form factors | form factors |
 //!
-//! A change of any of the effect's knobs ends it too. Products are filled by passes that run when they are needed:
+//! A change of any of the effect's knobs ends it too (what depends on knobs alone is made of nothing: `reads: &[]`), and on a GPU a
+//! new anchor of the scene. Sun, media and view are compared by value, the sky by identity: the same minute asked for again has
+//! another sky. Results that no effect of a plan names are kept as long as they hold, up to 512 MiB. Products are filled by passes that run when they are needed:
 //! [`When::Once`], or [`When::Until`] a condition holds that is read back from the device; on the CPU by the function that is given
 //! to [`Kept::get`]. A result that depends on something it does not name is wrong as soon as that changes: name it.
 

@@ -12,7 +12,7 @@ use crate::frame::Field;
 /// One piece of an effect's work on a GPU.
 pub struct Pass {
     /// The shader's text (WGSL). The backend puts before it all of `shaders/common` that every pass sees, and one declaration for
-    /// each of `uses`.
+    /// each of the `uses` of the effect's passes that have this text.
     pub shader: &'static str,
     /// Its entry point, by which reports name the pass. A raster pass has `<entry>_vertex` and `<entry>_fragment`.
     pub entry: &'static str,
@@ -45,7 +45,8 @@ pub enum RasterView {
     /// silhouettes are traced on the CPU, since a rasteriser rounds corners.
     Camera(fn(&Settings<'_>) -> bool),
     /// From where a beam comes from: depths and numbers become the maps that `shaders/common/beam.wgsl` reads, whenever a pass
-    /// that runs for each beam needs them.
+    /// that runs for each beam needs them. What is nearer to a local beam than its radius, or than 1e-4 of the scene's diagonal, is not in its
+    /// maps. The first effect of a plan that draws them draws them for all.
     Beam(fn(&Settings<'_>) -> MapSettings),
     /// Into the five faces of a hemicube, of so many texels on a side: the numbers of triangles, from 1, become the effect's
     /// [`Resource::Faces`]. Where it stands and looks is up to the vertex shader, whose instance is the face: the one in front has

@@ -208,8 +208,11 @@ impl Store {
 
     /// Says that a kept product is made.
     pub fn made(&mut self, effect: &'static str, name: &'static str) {
-        if let Some(product) = self.products.get_mut(&(effect, name)) {
-            product.made_of = product.now.take();
+        if let Some(product) = self.products.get_mut(&(effect, name))
+            // Several passes may have made it together.
+            && let Some(now) = product.now.take()
+        {
+            product.made_of = Some(now);
         }
     }
 
