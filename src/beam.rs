@@ -82,7 +82,7 @@ impl Beam {
         }
     }
 
-    /// What its light is measured by [RGB]: the illuminance of parallel light [lx], the luminous intensity of a local beam [cd].
+    /// What its light is measured by, in red, green and blue: the illuminance of parallel light [lx], the luminous intensity of a local beam [cd].
     pub fn strength(&self) -> DVec3 {
         match *self {
             Beam::Parallel { illuminance, .. } => illuminance,

@@ -18,7 +18,7 @@ const PIXELS: usize = 200;
 pub enum Goal {
     /// A relative RMSE of the picture's luminance of at most this [1].
     MaxError(f64),
-    /// A time for one ray a pixel of at most this [ms].
+    /// A time for one ray a pixel of at most this, in milliseconds.
     Within(f64),
 }
 

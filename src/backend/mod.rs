@@ -3,7 +3,10 @@
 //!
 //! A backend lasts over plans. Opening a device and compiling happen once a process; what a plan needs and the one before it had
 //! is used again, as far as what it was made of is the same ([`Made`] tells what was not). So many pictures are rendered by one
-//! backend over conditions that share what they can ([`Conditions::at`], [`Conditions::seen_from`]).
+//! backend over conditions that share what they can ([`at`], [`seen_from`]).
+//!
+//! [`at`]: crate::conditions::Conditions::at
+//! [`seen_from`]: crate::conditions::Conditions::seen_from
 //!
 //! | module | what |
 //! |---|---|
