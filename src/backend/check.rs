@@ -7,7 +7,7 @@ use super::reference::{Reference, Values, picture};
 use crate::accuracy::{LayerError, Random, error};
 use crate::colour::luminance;
 use crate::error::{Error, Result};
-use crate::frame::{Field, Frame};
+use crate::frame::{Field, Frame, Layer};
 use crate::plan::Plan;
 use glam::{DVec3, UVec2};
 use serde::Serialize;
@@ -29,77 +29,86 @@ impl Check {
     }
 }
 
-/// Compares about `count` pixels of a picture with the reference under `yardstick`, a plan for the same conditions.
-///
-/// # Errors
-/// [`Error::Input`] for a count of zero, or a picture of another size.
-pub fn check(frame: &Frame, yardstick: &Plan, count: usize) -> Result<Check> {
-    let size = yardstick.conditions.view.size;
-    if [frame.width, frame.height] != size {
-        return Err(Error::input(
-            "the picture to check",
-            format!(
-                "it has {} x {} pixels, the plan {} x {}",
-                frame.width, frame.height, size[0], size[1]
-            ),
-            "render and check with the same --size",
-        ));
-    }
-    if count == 0 {
-        return Err(Error::input(
-            "--check 0",
-            "no pixel would be compared",
-            "give a number of pixels, say 1000",
-        ));
-    }
-    let pixels = stratified(size, count);
-    let index = |p: &UVec2| (p.y * size[0] + p.x) as usize;
-    let made = Field::ALL.map(|field| frame.layer(field.name()));
-    let ours: Vec<Values> = pixels
-        .iter()
-        .map(|p| {
-            made.map(|layer| layer.map_or(DVec3::ZERO, |layer| layer.rgb[index(p)].as_dvec3()))
+/// What the reference makes of some pixels under a plan: the truth for all pictures of the same conditions, found once.
+pub struct Yardstick {
+    size: [u32; 2],
+    written: Vec<Field>,
+    pixels: Vec<UVec2>,
+    truth: Vec<Values>,
+}
+
+impl Yardstick {
+    /// The truth at about `count` pixels.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a count of zero.
+    pub fn new(plan: &Plan, count: usize) -> Result<Self> {
+        if count == 0 {
+            return Err(Error::input(
+                "--check 0",
+                "no pixel would be compared",
+                "give a number of pixels, say 1000",
+            ));
+        }
+        let view = &plan.conditions.view;
+        let pixels = stratified(view.size, count);
+        Ok(Yardstick {
+            size: view.size,
+            written: plan.written(),
+            truth: Reference::new(plan).sampled(&pixels, view.samples),
+            pixels,
         })
-        .collect();
-    Ok(judge(&ours, yardstick, &pixels))
-}
-
-/// Compares about `count` pixels of what the reference makes of a plan with what it makes of another, without a whole picture.
-///
-/// # Errors
-/// [`Error::Input`] for a count of zero.
-pub fn compare(plan: &Plan, yardstick: &Plan, count: usize) -> Result<Check> {
-    if count == 0 {
-        return Err(Error::input(
-            "the pixels to compare",
-            "there are none",
-            "give a number of pixels, say 1000",
-        ));
     }
-    let conditions = plan.conditions;
-    let pixels = stratified(conditions.view.size, count);
-    let ours = Reference::new(plan).sampled(&pixels, conditions.view.samples);
-    Ok(judge(&ours, yardstick, &pixels))
-}
 
-/// The error of the layers and of their sum at some pixels.
-fn judge(ours: &[Values], yardstick: &Plan, pixels: &[UVec2]) -> Check {
-    let truth = Reference::new(yardstick).sampled(pixels, yardstick.conditions.view.samples);
-    let written = yardstick.written();
-    let pairs = |of: &dyn Fn(&Values) -> DVec3| -> Vec<[f64; 2]> {
-        let pairs = ours.iter().zip(&truth);
-        pairs
-            .map(|(o, t)| [luminance(of(o)), luminance(of(t))])
-            .collect()
-    };
-    let mut layers: Vec<LayerError> = Field::layers()
-        .filter(|field| written.contains(field))
-        .map(|field| error(field.name(), &pairs(&|values| values[field as usize])))
-        .collect();
-    layers.push(error("picture", &pairs(&picture)));
-    Check {
-        pixels: pixels.len(),
-        layers,
+    /// The error of a picture.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a picture of another size.
+    pub fn check(&self, frame: &Frame) -> Result<Check> {
+        let size = self.size;
+        if [frame.width, frame.height] != size {
+            return Err(Error::input(
+                "the picture to check",
+                format!(
+                    "it has {} x {} pixels, the plan {} x {}",
+                    frame.width, frame.height, size[0], size[1]
+                ),
+                "render and check with the same --size",
+            ));
+        }
+        let index = |p: &UVec2| (p.y * size[0] + p.x) as usize;
+        let made = Field::ALL.map(|field| frame.layer(field.name()));
+        let value = |layer: Option<&Layer>, p: &UVec2| {
+            layer.map_or(DVec3::ZERO, |layer| layer.rgb[index(p)].as_dvec3())
+        };
+        let pixels = self.pixels.iter();
+        let ours: Vec<Values> = pixels.map(|p| made.map(|layer| value(layer, p))).collect();
+        Ok(self.judge(&ours))
+    }
+
+    /// The error of what the reference makes of another plan for conditions of the same view, without a whole picture.
+    pub fn compare(&self, plan: &Plan) -> Check {
+        let samples = plan.conditions.view.samples;
+        self.judge(&Reference::new(plan).sampled(&self.pixels, samples))
+    }
+
+    /// The error of the layers and of their sum.
+    fn judge(&self, ours: &[Values]) -> Check {
+        let pairs = |of: &dyn Fn(&Values) -> DVec3| -> Vec<[f64; 2]> {
+            let pairs = ours.iter().zip(&self.truth);
+            pairs
+                .map(|(o, t)| [luminance(of(o)), luminance(of(t))])
+                .collect()
+        };
+        let mut layers: Vec<LayerError> = Field::layers()
+            .filter(|field| self.written.contains(field))
+            .map(|field| error(field.name(), &pairs(&|values| values[field as usize])))
+            .collect();
+        layers.push(error("picture", &pairs(&picture)));
+        Check {
+            pixels: self.pixels.len(),
+            layers,
+        }
     }
 }
 

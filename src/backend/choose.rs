@@ -1,6 +1,6 @@
 //! The quality and the method that a picture needs to come below an error, or to stay within a time: measured on this machine.
 
-use super::check::{check, compare};
+use super::check::Yardstick;
 use super::interface::Backend;
 use super::reference::{Reference, predict};
 use super::rendering::{Limits, Rendered};
@@ -57,8 +57,9 @@ struct Trials<'t> {
     conditions: &'t Conditions,
     overrules: &'t Overrules,
     limits: &'t Limits<'t>,
-    /// The finest quality, without knobs of the user's.
-    yardstick: Plan<'t>,
+    /// The finest quality, without knobs of the user's, and what it makes of some pixels, once that was needed.
+    finest: Plan<'t>,
+    yardstick: Option<Yardstick>,
 }
 
 /// Chooses the quality, and the method where `overrules` leave it open, from the coarsest quality on. What `overrules` say of the
@@ -74,13 +75,9 @@ pub fn choose(
     goal: Goal,
     limits: &Limits,
 ) -> Result<Chosen> {
-    let finest = Overrules {
-        quality: Quality::Reference,
-        set: Vec::new(),
-        ..overrules.clone()
-    };
     let mut trials = Trials {
-        yardstick: Plan::new(conditions, &finest)?,
+        finest: Plan::new(conditions, &overrules.finest())?,
+        yardstick: None,
         backend,
         conditions,
         overrules,
@@ -152,14 +149,10 @@ impl Trials<'_> {
         let error = match &rendered {
             _ if picture > limit => f64::INFINITY,
             Some(rendered) => {
-                let found = check(&rendered.frame, &self.yardstick, PIXELS)?;
+                let found = self.yardstick()?.check(&rendered.frame)?;
                 found.picture().relative_rmse
             }
-            None => {
-                compare(&plan, &self.yardstick, PIXELS)?
-                    .picture()
-                    .relative_rmse
-            }
+            None => self.yardstick()?.compare(&plan).picture().relative_rmse,
         };
         let of_air = |rendered: &Rendered| -> Duration {
             let steps = rendered.steps.iter();
@@ -172,6 +165,14 @@ impl Trials<'_> {
             error,
             picture,
             air: milliseconds(rendered.as_ref().map_or(Duration::ZERO, of_air)),
+        })
+    }
+
+    /// The truth, which is the same for all candidates.
+    fn yardstick(&mut self) -> Result<&Yardstick> {
+        Ok(match &mut self.yardstick {
+            Some(found) => found,
+            none => none.insert(Yardstick::new(&self.finest, PIXELS)?),
         })
     }
 

@@ -131,10 +131,10 @@ impl<'a> Reference<'a> {
         }
         (0..positions.len())
             .map(|i| Sample {
-                values: Field::ALL.map(|field| match (fields.found(field), field.part()) {
-                    (Some(values), _) => values[i],
-                    (None, Part::Share) => DVec3::ONE,
-                    (None, _) => DVec3::ZERO,
+                values: Field::ALL.map(|field| {
+                    fields
+                        .found(field)
+                        .map_or(field.unwritten(), |values| values[i])
                 }),
                 surface: fields.surfaces[i],
             })
@@ -327,8 +327,8 @@ pub fn spread(size: [u32; 2], count: usize) -> Vec<UVec2> {
     }
     (0..count)
         .map(|i| {
-            let at = |power: f64, rerun: f64| {
-                ((0.5 + i as f64 / power).fract() * rerun).min(rerun - 1.0) as u32
+            let at = |power: f64, side: f64| {
+                ((0.5 + i as f64 / power).fract() * side).min(side - 1.0) as u32
             };
             UVec2::new(at(PLASTIC, w), at(PLASTIC * PLASTIC, h))
         })

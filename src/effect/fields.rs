@@ -1,7 +1,7 @@
 //! A batch of rays and what effects have found on them.
 
 use crate::conditions::Receiver;
-use crate::frame::{Field, Part};
+use crate::frame::Field;
 use crate::scene::Ray;
 use glam::{DVec3, UVec2};
 
@@ -92,10 +92,7 @@ impl Fields {
         for &field in written {
             match field {
                 Field::Surface => fields.surfaces = vec![Surface::NOTHING; count],
-                Field::Transmittance => {
-                    fields.values[field as usize] = Some(vec![DVec3::ONE; count])
-                }
-                _ => fields.values[field as usize] = Some(vec![DVec3::ZERO; count]),
+                _ => fields.values[field as usize] = Some(vec![field.unwritten(); count]),
             }
         }
         fields
@@ -155,14 +152,10 @@ impl Fields {
         by: Field,
         mut value: impl FnMut(&Ray, UVec2, &Surface, DVec3, DVec3) -> DVec3,
     ) {
-        let nobody = match by.part() {
-            Part::Share => DVec3::ONE,
-            _ => DVec3::ZERO,
-        };
         let other: Option<Vec<DVec3>> = self.get(by).map(<[DVec3]>::to_vec);
         let mut other = other.into_iter().flatten();
         self.update(field, |ray, pixel, surface, present| {
-            let by = other.next().unwrap_or(nobody);
+            let by = other.next().unwrap_or(by.unwritten());
             value(ray, pixel, surface, present, by)
         });
     }

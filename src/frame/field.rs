@@ -1,5 +1,7 @@
 //! Every intermediate and final result of a ray: the one table that effects, backends, files and measures go by.
 
+use glam::DVec3;
+
 /// What a field holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
@@ -72,6 +74,14 @@ impl Field {
     /// Whether it is a layer: the picture is the sum of these.
     pub const fn is_layer(self) -> bool {
         matches!(self.part(), Part::Reflected | Part::Behind | Part::Air)
+    }
+
+    /// Its value where nobody wrote it: 1 for a share of light, else 0.
+    pub const fn unwritten(self) -> DVec3 {
+        match self.part() {
+            Part::Share => DVec3::ONE,
+            _ => DVec3::ZERO,
+        }
     }
 
     /// The layers, in the order in which they are listed.

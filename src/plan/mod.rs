@@ -62,6 +62,17 @@ pub struct Overrules {
     pub without: Vec<String>,
 }
 
+impl Overrules {
+    /// The same at the finest quality and without knobs of the user's: what pictures are measured by.
+    pub fn finest(&self) -> Self {
+        Overrules {
+            quality: Quality::Reference,
+            set: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
 /// One effect of the plan.
 #[derive(Clone)]
 pub struct Step {

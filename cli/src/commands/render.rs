@@ -11,7 +11,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use tyndall::Result;
-use tyndall::backend::check::{self, Check};
+use tyndall::backend::check::{Check, Yardstick};
 use tyndall::backend::choose::choose;
 use tyndall::backend::{Backend, Limits, Rendered};
 use tyndall::colour::{Space, display, exposure, luminance};
@@ -19,7 +19,7 @@ use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
 use tyndall::output::{self, Format};
-use tyndall::plan::{Overrules, Plan, Quality};
+use tyndall::plan::Plan;
 
 /// Make a picture for a place, a date and a time
 #[derive(Debug, Args)]
@@ -149,13 +149,8 @@ fn check(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> Result<Op
     let Some(count) = args.check else {
         return Ok(None);
     };
-    let finest = Overrules {
-        quality: Quality::Reference,
-        set: Vec::new(),
-        ..args.plan.overrules()
-    };
-    let yardstick = Plan::new(conditions, &finest)?;
-    let check = check::check(frame, &yardstick, count as usize)?;
+    let finest = Plan::new(conditions, &args.plan.overrules().finest())?;
+    let check = Yardstick::new(&finest, count as usize)?.check(frame)?;
     tell::check(&work::check_lines(&check));
     Ok(Some(check))
 }

@@ -426,24 +426,30 @@ impl<'j> Job<'j> {
         Ok(bytemuck::pod_collect_to_vec(&found))
     }
 
+    /// Runs a stage of computing, over `otherwise` workgroups unless it has its own number.
+    fn compute(&mut self, index: usize, otherwise: [u32; 2]) -> Result<()> {
+        let stage = &mut self.stages[index];
+        let Work::Compute(compute) = &stage.work else {
+            return Ok(());
+        };
+        stage.runs += 1;
+        dispatch(
+            self.device,
+            self.timer,
+            index,
+            &compute.pipeline,
+            &[&self.common, &compute.group],
+            compute.groups.unwrap_or(otherwise),
+        )
+    }
+
     /// Runs a stage that fills what is kept.
     fn run_kept(&mut self, index: usize) -> Result<()> {
         let stage = &mut self.stages[index];
-        stage.runs += 1;
         match &stage.work {
-            Work::Compute(compute) => {
-                let groups = [&self.common, &compute.group];
-                let over = compute.groups.unwrap_or([1, 1]);
-                dispatch(
-                    self.device,
-                    self.timer,
-                    index,
-                    &compute.pipeline,
-                    &groups,
-                    over,
-                )
-            }
+            Work::Compute(_) => self.compute(index, [1, 1]),
             Work::Hemicube(raster, group, faces) => {
+                stage.runs += 1;
                 for (face, view) in faces.views.iter().enumerate() {
                     let draw = Draw {
                         raster,
@@ -487,19 +493,9 @@ impl<'j> Job<'j> {
         }
         let stage = &mut self.stages[index];
         match &stage.work {
-            Work::Compute(compute) => {
-                stage.runs += 1;
-                let groups = [&self.common, &compute.group];
-                let over = compute.groups.unwrap_or(tile_groups(extent));
-                dispatch(
-                    self.device,
-                    self.timer,
-                    index,
-                    &compute.pipeline,
-                    &groups,
-                    over,
-                )?;
+            Work::Compute(_) => {
                 let finds = stage.effect.writes.contains(&Field::Surface);
+                self.compute(index, tile_groups(extent))?;
                 if finds && self.plan.conditions.view.points().is_some() {
                     self.write_points(corner, extent);
                 }

@@ -191,7 +191,7 @@ impl Gpu {
         limits: &Limits,
         progress: Progress,
         counting: bool,
-        kept: &mut on_device::Growing,
+        growing: &mut on_device::Growing,
     ) -> Result<Rendered> {
         let conditions = plan.conditions;
         // What a rendering that was stopped has made is not made for this one.
@@ -218,7 +218,7 @@ impl Gpu {
             timer,
             counting,
         };
-        let mut rendered = Job::new(plan, lent)?.render(limits, progress, kept)?;
+        let mut rendered = Job::new(plan, lent)?.render(limits, progress, growing)?;
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
         Ok(rendered)

@@ -129,6 +129,7 @@ impl Growing {
         let Some(picture) = &self.picture else {
             return Ok(());
         };
+        let mut encoder = device.device.create_command_encoder(&Default::default());
         for layer in layers {
             let buffers = [&place, *layer, &picture.buffer];
             let entries: Vec<BindGroupEntry> = buffers
@@ -144,16 +145,13 @@ impl Growing {
                 layout: &pipeline.get_bind_group_layout(0),
                 entries: &entries,
             });
-            let mut encoder = device.device.create_command_encoder(&Default::default());
-            {
-                let mut pass = encoder.begin_compute_pass(&Default::default());
-                pass.set_pipeline(&pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                let [x, y] = tile_groups(extent);
-                pass.dispatch_workgroups(x, y, 1);
-            }
-            device.queue.submit([encoder.finish()]);
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            let [x, y] = tile_groups(extent);
+            pass.dispatch_workgroups(x, y, 1);
         }
+        device.queue.submit([encoder.finish()]);
         device.check()
     }
 }

@@ -2,7 +2,7 @@
 //! the maps of a beam are drawn once for all, and what the CPU does is done as early as may be, so that the device is seldom
 //! waited for. Neither may change what anybody reads.
 
-use crate::effect::{Effect, Field, Pass, Resource};
+use crate::effect::{Effect, Field, Over, Pass, RasterView, Resource};
 
 /// What a stage reads and what it changes.
 #[derive(Debug, Clone, Default)]
@@ -60,9 +60,9 @@ impl Touched {
                 _ => {}
             }
         }
-        if let crate::effect::Over::Raster(view) = pass.over {
+        if let Over::Raster(view) = pass.over {
             touched.changes.push(match view {
-                crate::effect::RasterView::Hemicube(_) => Thing::Faces(effect.name),
+                RasterView::Hemicube(_) => Thing::Faces(effect.name),
                 _ => Thing::Numbers,
             });
         }
@@ -79,11 +79,14 @@ impl Touched {
 
     /// Whether the order of two stages matters.
     fn depends_on(&self, other: &Touched) -> bool {
-        let meets = |a: &[Thing], b: &[Thing]| a.iter().any(|thing| b.contains(thing));
         meets(&self.reads, &other.changes)
             || meets(&self.changes, &other.changes)
             || meets(&self.changes, &other.reads)
     }
+}
+
+fn meets(some: &[Thing], others: &[Thing]) -> bool {
+    some.iter().any(|thing| others.contains(thing))
 }
 
 /// One entry of the order.
@@ -119,7 +122,6 @@ impl Schedule {
             let behind = self.touched[last + 1..].iter().flatten();
             let between = behind.clone().any(|(_, other)| touched.depends_on(other));
             let among = self.touched[last].iter().any(|(owner, other)| {
-                let meets = |a: &[Thing], b: &[Thing]| a.iter().any(|thing| b.contains(thing));
                 let after = meets(&touched.reads, &other.changes);
                 let before = meets(&touched.changes, &other.reads);
                 *owner != effect && (after || before)
