@@ -4,7 +4,7 @@ mod common;
 
 use common::files::*;
 use common::scenes;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, DVec4};
 use serde_json::{Value, json};
 use tyndall::scene::{self, AlphaMode, Geometry, Projection, PunctualKind, Ray, Scene, Wrap};
 
@@ -44,8 +44,8 @@ fn gltf_says_all_that_it_holds() {
             "{uv} {expected:?}"
         );
     }
-    assert_eq!(scene.mesh.colors[1], DVec3::Y);
-    assert_eq!(scene.mesh.colors[3], DVec3::splat(0.2));
+    assert_eq!(scene.mesh.colors[1], DVec4::new(0.0, 1.0, 0.0, 1.0));
+    assert_eq!(scene.mesh.colors[3].truncate(), DVec3::splat(0.2));
 
     // The node's +90 degrees about +Y turns -Z to -X.
     let eye = &scene.cameras[0];

@@ -183,7 +183,9 @@ fn triangle_surface(
     let material = &conditions.scene.materials[triangle.material as usize];
     let mut color = material.base_color;
     if !mesh.colors.is_empty() {
-        color *= mix(triangle.vertices.map(|i| mesh.colors[i as usize]));
+        color *= mix(triangle
+            .vertices
+            .map(|i| mesh.colors[i as usize].truncate()));
     }
     if let Some(index) = material.texture {
         let uvs = triangle.vertices.map(|i| mesh.uvs[i as usize]);

@@ -5,7 +5,7 @@
 use super::{Mesh, Texture, Triangle, Wrap};
 use crate::error::{Error, Result};
 use crate::warning::Warning;
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
 
 /// A piece of geometry in axes of its own. `normals`, `uvs` and `colors` are empty or as long as `positions`.
 #[derive(Default)]
@@ -13,7 +13,7 @@ pub(super) struct Piece {
     pub positions: Vec<DVec3>,
     pub normals: Vec<DVec3>,
     pub uvs: Vec<DVec2>,
-    pub colors: Vec<DVec3>,
+    pub colors: Vec<DVec4>,
     pub triangles: Vec<[u32; 3]>,
     pub material: u32,
 }
@@ -85,16 +85,16 @@ impl Assembly {
                 .push(if uv.is_finite() { uv } else { DVec2::ZERO });
         }
         if !piece.colors.is_empty() || !self.mesh.colors.is_empty() {
-            self.mesh.colors.resize(base as usize, DVec3::ONE);
+            self.mesh.colors.resize(base as usize, DVec4::ONE);
             for i in 0..count {
-                let c = piece.colors.get(i).copied().unwrap_or(DVec3::ONE);
+                let c = piece.colors.get(i).copied().unwrap_or(DVec4::ONE);
                 let valid =
-                    c.is_finite() && c.cmpge(DVec3::ZERO).all() && c.cmple(DVec3::ONE).all();
+                    c.is_finite() && c.cmpge(DVec4::ZERO).all() && c.cmple(DVec4::ONE).all();
                 self.odd_attributes += usize::from(!valid);
                 self.mesh.colors.push(if c.is_finite() {
-                    c.clamp(DVec3::ZERO, DVec3::ONE)
+                    c.clamp(DVec4::ZERO, DVec4::ONE)
                 } else {
-                    DVec3::ONE
+                    DVec4::ONE
                 });
             }
         }

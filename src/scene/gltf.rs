@@ -10,7 +10,7 @@ use super::gltf_document::{Gltf, Light, Node, Primitive, TextureRef, TextureTran
 use super::{AlphaMode, Material, NamedCamera, PunctualKind, PunctualLight, Scene, Wrap};
 use crate::error::Result;
 use crate::warning::Warning;
-use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, DVec4};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -450,9 +450,11 @@ impl Loader<'_> {
             return Err(gltf.error(place, "it has no POSITION", "export the scene again"));
         };
         let normals = attribute("NORMAL", &[3])?.map(triples).unwrap_or_default();
-        let colors = attribute("COLOR_0", &[3, 4])?
-            .map(triples)
-            .unwrap_or_default();
+        let (width, numbers) = attribute("COLOR_0", &[3, 4])?.unwrap_or((4, Vec::new()));
+        let colors: Vec<DVec4> = numbers
+            .chunks_exact(width)
+            .map(|c| DVec4::new(c[0], c[1], c[2], c.get(3).copied().unwrap_or(1.0)))
+            .collect();
         let material = primitive.material.unwrap_or(self.uses.len() - 1);
         gltf.get(&self.uses, "materials", material, place)?;
         let mut uvs = Vec::new();

@@ -3,6 +3,7 @@
 //! Own structs instead of the `gltf` crate's: that crate rounds transforms to f32, refuses files for texture
 //! extensions, and panics on some damaged ones. The tests hold this reader to it.
 
+use super::file;
 use crate::error::{Error, Result};
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -182,11 +183,11 @@ impl Gltf {
                     "put the file beside this one and name it",
                 )
             })?;
-        let file = self.path.parent().unwrap_or(Path::new("")).join(file);
-        std::fs::read(&file).map_err(|e| {
+        let beside = self.path.parent().unwrap_or(Path::new("")).join(file);
+        file::read(&beside, file::LARGEST).map_err(|e| {
             self.error(
                 place,
-                format!("cannot read {}: {e}", file.display()),
+                e.problem(),
                 "put the file where the scene names it, or export the scene as one GLB",
             )
         })

@@ -1,6 +1,6 @@
 //! From a name to a scene.
 
-use super::{Scene, gltf, obj, toml};
+use super::{Scene, file, gltf, obj, toml};
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub const BUILTIN: [&str; 1] = ["nave"];
 /// is not a scene, is damaged, has no triangles, or holds a key or a value that is not valid. What can be left out (a
 /// texture that cannot be read, triangles without an area) is reported in [`Scene::warnings`] instead.
 pub fn load(path: &Path) -> Result<Scene> {
-    let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+    let bytes = file::read(path, file::LARGEST)?;
     let mut scene = match FileKind::of(path, &bytes)? {
         FileKind::Toml => {
             let text = str::from_utf8(&bytes).map_err(|e| {
@@ -41,7 +41,7 @@ pub fn load(path: &Path) -> Result<Scene> {
             let folder = path.parent().unwrap_or(Path::new(""));
             toml::load(path, text, |mesh| {
                 let mesh = folder.join(mesh);
-                let bytes = std::fs::read(&mesh).map_err(|e| Error::reading(&mesh, e))?;
+                let bytes = file::read(&mesh, file::LARGEST)?;
                 load_mesh(&mesh, &bytes)
             })?
         }

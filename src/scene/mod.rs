@@ -8,6 +8,7 @@ pub mod camera;
 mod check;
 pub mod curtain;
 mod fan;
+mod file;
 pub mod framing;
 pub mod geometry;
 mod gltf;
@@ -18,7 +19,7 @@ mod toml;
 
 use crate::medium::{ClearAir, Medium};
 use crate::warning::Warning;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 pub use camera::{Camera, Projection, Ray};
 pub use geometry::{Geometry, Hit};
@@ -73,8 +74,8 @@ pub struct Mesh {
     pub normals: Vec<DVec3>,
     /// Texture coordinates of the base colour, one a position (zero where the file has none), v down as in glTF.
     pub uvs: Vec<DVec2>,
-    /// Linear Rec. 709 vertex colours, one a position, or empty when no vertex has one.
-    pub colors: Vec<DVec3>,
+    /// Linear Rec. 709 vertex colours and opacity, 0 to 1, one a position, or empty when no vertex has one.
+    pub colors: Vec<DVec4>,
     /// The triangles.
     pub triangles: Vec<Triangle>,
 }

@@ -4,7 +4,7 @@
 //! Texture coordinates are turned to v down. A missing MTL or picture is a warning: the shape is there without it.
 
 use super::assembly::{Assembly, Piece, decode_image, triangulate};
-use super::{AlphaMode, Material, Scene, Wrap};
+use super::{AlphaMode, Material, Scene, Wrap, file};
 use crate::error::{Error, Result};
 use crate::warning::Warning;
 use glam::{DAffine3, DVec2, DVec3};
@@ -24,8 +24,8 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     let missing = RefCell::new(Vec::new());
     let load_mtl = |library: &Path| {
         let at = folder.join(library);
-        let loaded = std::fs::read(&at)
-            .map_err(|e| format!("cannot read {}: {e}", at.display()))
+        let loaded = file::read(&at, file::LARGEST)
+            .map_err(|e| e.problem())
             .and_then(|bytes| {
                 let text = String::from_utf8_lossy(&bytes);
                 guarded(|| tobj::load_mtl_buf(&mut text.as_bytes()))
@@ -92,7 +92,10 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         }
         let piece = Piece {
             normals: or_none(triples(&mesh.normals)),
-            colors: or_none(triples(&mesh.vertex_color)),
+            colors: or_none(triples(&mesh.vertex_color))
+                .iter()
+                .map(|c| c.extend(1.0))
+                .collect(),
             uvs,
             triangles,
             material: mesh.material_id.filter(|&m| m < default).unwrap_or(default) as u32,
@@ -256,8 +259,8 @@ fn read_materials(
         let texture = entry.diffuse_texture.as_ref().and_then(|name| {
             *pictures.entry(name.clone()).or_insert_with(|| {
                 let at = folder.join(name.replace('\\', "/"));
-                let picture = std::fs::read(&at)
-                    .map_err(|e| e.to_string())
+                let picture = file::read(&at, file::LARGEST)
+                    .map_err(|e| e.problem())
                     .and_then(|bytes| decode_image(name, &bytes, [Wrap::Repeat; 2]));
                 match picture {
                     Ok(picture) => {

@@ -262,7 +262,10 @@ fn attributes(conditions: &Conditions, triangles: &Triangles) -> Vec<Attributes>
             Attributes {
                 normal: mesh.normals[v].as_vec3(),
                 u: mesh.uvs[v].x as f32,
-                color: mesh.colors.get(v).map_or(Vec3::ONE, |c| c.as_vec3()),
+                color: mesh
+                    .colors
+                    .get(v)
+                    .map_or(Vec3::ONE, |c| c.truncate().as_vec3()),
                 v: mesh.uvs[v].y as f32,
             }
         })
