@@ -6,6 +6,8 @@ fn begin() {
         atomicStore(&asked[2u * i], 0xffffffffu);
         atomicStore(&asked[2u * i + 1u], 0u);
     }
+    atomicStore(&asked[LOG_SUM], 0u);
+    atomicStore(&asked[LOG_COUNT], 0u);
 }
 
 fn ask(i: u32, least: f32, greatest: f32) {
@@ -28,6 +30,9 @@ fn measure(@builtin(global_invocation_id) id: vec3u) {
     ask(0u, slice.row, slice.row);
     ask(1u, slice.start + span.shaded.x * slice.sine, slice.start + span.shaded.y * slice.sine);
     ask(2u, slice.c, slice.c);
+    let last = max(slice.start + span.shaded.y * slice.sine, 1e-9);
+    atomicAdd(&asked[LOG_SUM], u32(clamp(round(16.0 * (log2(last) + 32.0)), 0.0, 1023.0)));
+    atomicAdd(&asked[LOG_COUNT], 1u);
 }
 
 var<workgroup> entries: array<u32, 1024>;

@@ -10,12 +10,12 @@ fn caster(stored: vec3f, part: u32) -> vec4f {
     let corner = eye_relative(stored);
     if beam.kind == LOCAL {
         let at = in_face(corner - beam.position, part);
-        return vec4f(at.x, at.y, at.z - beam.near, at.z);
+        return vec4f(at.x, at.y, beam.near, at.z);
     }
     let at = light_coordinates(corner);
     let map = beam.maps[part];
     let share = (at.xy - map.least) / (map.texel * beam.side);
-    let depth = (beam.heights.y - at.z) / (beam.heights.y - beam.heights.x);
+    let depth = (at.z - map.heights.x) / (map.heights.y - map.heights.x);
     return vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, depth, 1.0);
 }
 

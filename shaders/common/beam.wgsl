@@ -5,7 +5,9 @@ struct PartitionMap {
     least: vec2f,
     texel: vec2f,
     // How many texels it has; they lie in the corner of its layer.
-    @size(16) size: vec2f,
+    size: vec2f,
+    // Heights of depth 0 and 1: least and greatest of what lies over or under the window.
+    heights: vec2f,
 }
 
 struct Beam {
@@ -21,9 +23,8 @@ struct Beam {
     across: vec4f,
     along: vec4f,
     height: vec4f,
-    // Least and greatest light coordinates of all casters, and their heights.
+    // Least and greatest light coordinates of all casters.
     casters: vec4f,
-    heights: vec4f,
     maps: array<PartitionMap, PARTITIONS>,
     // Of a local beam: its place relative to the eye [m].
     position: vec3f,
@@ -33,6 +34,8 @@ struct Beam {
     extent: f32,
     // Of a local beam: where its maps begin [m].
     near: f32,
+    // Of parallel light: the greatest height of all casters.
+    highest: f32,
 }
 
 @group(2) @binding(0) var<uniform> beam: Beam;
@@ -86,7 +89,7 @@ fn covering(at: vec2f, border: f32) -> u32 {
 // Height of the light-nearest caster in a texel; far below everything where there is none.
 fn caster_height(part: u32, texel: vec2i) -> f32 {
     let depth = textureLoad(beam_maps, texel, part, 0);
-    return select(beam.heights.y - depth * (beam.heights.y - beam.heights.x), -1e30, depth >= 1.0);
+    return select(mix(beam.maps[part].heights.x, beam.maps[part].heights.y, depth), -1e30, depth <= 0.0);
 }
 
 // Number of the light-nearest caster at a place; NO_CASTER where there is none, CUT_OUT where it has holes.
@@ -166,7 +169,7 @@ fn beam_reaches(p: vec3f) -> bool {
         return local_beam_reaches(p);
     }
     let at = light_coordinates(p);
-    if at.z >= beam.heights.y || any(at.xy < beam.casters.xy) || any(at.xy > beam.casters.zw) {
+    if at.z >= beam.highest || any(at.xy < beam.casters.xy) || any(at.xy > beam.casters.zw) {
         return true;
     }
     let k = covering(at.xy, 0.0);
@@ -233,7 +236,7 @@ fn shadow_span(origin: vec3f, direction: vec3f) -> vec2f {
     let o = light_coordinates(origin);
     let d = axis_parts(direction);
     let least = vec3f(beam.casters.xy, -1e30);
-    let greatest = vec3f(beam.casters.zw, beam.heights.y);
+    let greatest = vec3f(beam.casters.zw, beam.highest);
     var span = vec2f(0.0, FARTHEST);
     for (var axis = 0u; axis < 3u; axis++) {
         if abs(d[axis]) < 1e-12 {

@@ -43,6 +43,10 @@ fn from_ordered(bits: u32) -> f32 {
     return bitcast<f32>(select(~bits, bits & 0x7fffffffu, bits >= 0x80000000u));
 }
 
+// Where rays end, in sixteenths of a doubling from 2^-32 m on: the sum, and of how many.
+const LOG_SUM = 14u;
+const LOG_COUNT = 15u;
+
 // Whether any pixel asks for rows.
 fn is_asked() -> bool {
     return atomicLoad(&asked[0]) <= atomicLoad(&asked[1]);
@@ -78,7 +82,9 @@ fn rows_of(count: u32, columns: u32) -> Rows {
         rows.bend = 0.0;
         rows.rate = 0.0;
     } else {
-        rows.bend = 0.05 * a.y;
+        // Most rays may end near although a few go far: columns are for most.
+        let mean = exp2(f32(atomicLoad(&asked[LOG_SUM])) / (16.0 * f32(max(atomicLoad(&asked[LOG_COUNT]), 1u))) - 32.0);
+        rows.bend = 0.05 * min(a.y, 2.0 * mean);
         rows.rate = log((a.x + rows.width + rows.bend) / (a.x + rows.bend));
     }
     // A little more than the range, so that equal thresholds still differ.

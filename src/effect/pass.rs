@@ -192,6 +192,10 @@ pub enum Resource {
     Materials,
     /// Texels of all textures: `texels: array<u32>`.
     Texels,
+    /// Whether anything stands between a surface and the pass's beam, exactly: `is_shaded(p, own)`, by the tree of all casters. The
+    /// pass runs for each beam, and names attributes, the triangles' materials, materials and texels too. It does without the
+    /// beam's shadow maps, which need not have been drawn.
+    CasterTree,
     /// Numbers by name: `knobs: Knobs`, a struct with just these members.
     Knobs(fn(&Conditions, &Settings<'_>) -> Vec<(&'static str, Number)>),
     /// Numbers that the effect prepares: `table: array<f32>`.

@@ -75,7 +75,15 @@ pub const SURFACE_SUN: Effect = Effect {
         entry: "light_surfaces",
         over: Over::Pixels,
         when: When::EachBeam(sun_beams),
-        uses: &[Resource::Read(Field::Surface), Resource::Update(Field::Sun)],
+        uses: &[
+            Resource::Read(Field::Surface),
+            Resource::Update(Field::Sun),
+            Resource::CasterTree,
+            Resource::Attributes,
+            Resource::MaterialOf,
+            Resource::Materials,
+            Resource::Texels,
+        ],
     }],
     ..Effect::NOTHING
 };

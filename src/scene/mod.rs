@@ -16,6 +16,7 @@ mod gltf_document;
 mod load;
 mod obj;
 mod toml;
+pub mod tree;
 
 use crate::medium::{ClearAir, Medium};
 use crate::warning::Warning;

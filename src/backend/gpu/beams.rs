@@ -4,6 +4,7 @@ use super::device::Device;
 use super::draw::{Draw, texture};
 use super::maps;
 use super::pipeline::{Pipelines, Raster};
+use super::seen::Seen;
 use super::shared;
 use super::timer::Timer;
 use crate::beam::Beam;
@@ -58,18 +59,32 @@ pub struct BeamMaps {
     pub corners: Texture,
     /// The beams of all effects, and what shaders know of each.
     pub beams: Vec<(Beam, shared::Beam)>,
+    /// How far the picture's rays see, once it is asked for.
+    pub seen: Option<Seen>,
     pub runs: u32,
 }
 
 impl BeamMaps {
-    /// The number of a beam, whichever effect asks for it first.
-    pub fn number(&mut self, conditions: &Conditions, casters: &[DVec3], beam: &Beam) -> usize {
+    /// The number of a beam, whichever effect asks for it first. It has maps once a pass asks these.
+    pub fn number(
+        &mut self,
+        conditions: &Conditions,
+        casters: &[DVec3],
+        anchor: DVec3,
+        beam: &Beam,
+        mapped: bool,
+    ) -> usize {
         let known = self.beams.iter().position(|(other, _)| other == beam);
-        known.unwrap_or_else(|| {
-            let fitted = maps::fit(conditions, casters, beam, &self.settings);
-            self.beams.push((*beam, fitted));
-            self.beams.len() - 1
-        })
+        let index = known.unwrap_or(self.beams.len());
+        if known.is_none() {
+            self.beams.push((*beam, maps::unmapped(conditions, beam)));
+        }
+        let (_, fitted) = &mut self.beams[index];
+        if mapped && fitted.partitions == 0 {
+            let seen = self.seen.get_or_insert_with(|| Seen::of(conditions));
+            *fitted = maps::fit(conditions, seen, casters, anchor, beam, &self.settings);
+        }
+        index
     }
 
     /// A slot with so many maps of this side.
@@ -249,7 +264,7 @@ impl Slots {
                     triangles: drawing.triangles,
                     color,
                     depth,
-                    far: 1.0,
+                    far: 0.0,
                     instance: k,
                     within,
                 };

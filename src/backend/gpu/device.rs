@@ -3,7 +3,6 @@
 use super::adapters::{self, Adapter};
 use crate::backend::rendering::Traffic;
 use crate::error::{Error, Result};
-use glam::Vec4;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, DeviceDescriptor, ExperimentalFeatures, Extent3d,
@@ -193,14 +192,29 @@ impl Device {
         Ok(buffer)
     }
 
-    /// A texture of vectors, in rows of `width` and as many rows as the device takes.
-    pub(super) fn vectors(&self, what: &str, width: u32, mut values: Vec<Vec4>) -> Texture {
-        let rows = values.len().div_ceil(width as usize).max(1);
-        let rows = (rows as u32).min(self.limits.max_texture_dimension_2d);
-        values.resize((width * rows) as usize, Vec4::ZERO);
+    /// A texture of four numbers a texel, in rows of `width`. `what` names it to the user when it is too large.
+    pub(super) fn texels<T: bytemuck::Pod + Default>(
+        &self,
+        what: &str,
+        width: u32,
+        format: TextureFormat,
+        mut values: Vec<T>,
+    ) -> Result<Texture> {
+        let height = values.len().div_ceil(width as usize).max(1);
+        let most = self.limits.max_texture_dimension_2d;
+        if height > most as usize {
+            return Err(Error::failed(
+                format!(
+                    "{what} fill {height} rows of a texture, and {} takes {most}",
+                    self.adapter.name
+                ),
+                "use `--backend reference`, another adapter, or a smaller scene",
+            ));
+        }
+        values.resize(width as usize * height, T::default());
         let size = Extent3d {
             width,
-            height: rows,
+            height: height as u32,
             depth_or_array_layers: 1,
         };
         let bytes: &[u8] = bytemuck::cast_slice(&values);
@@ -214,7 +228,7 @@ impl Device {
             mip_level_count: 1,
             sample_count: 1,
             dimension: TextureDimension::D2,
-            format: TextureFormat::Rgba32Float,
+            format,
             usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
             view_formats: &[],
         });
@@ -228,7 +242,7 @@ impl Device {
             },
             size,
         );
-        texture
+        Ok(texture)
     }
 
     /// Writes to the start of a buffer.

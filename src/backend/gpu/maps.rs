@@ -1,14 +1,14 @@
-//! Where the z-partitions' shadow maps look: fitted across the light, as dense as the picture asks, snapped to whole texels.
+//! Where the z-partitions' shadow maps look: fitted across the light to what is seen, as dense as the picture asks, snapped to
+//! whole texels; their heights fitted to what stands over or under each window.
 
+use super::seen::{Seen, Sight, pixel_width};
 use super::shared::{self, PARTITIONS, PartitionMap};
 use crate::beam::Beam;
 use crate::conditions::Conditions;
 use crate::effect::MapSettings;
 use crate::scene::Projection;
-use glam::{DVec2, DVec3, UVec2, Vec2, Vec4};
-
-/// The farthest over the nearest depth that is split: what is nearer shares the first partition.
-const DEPTHS: f64 = 200.0;
+use glam::{DVec2, DVec3, Vec2, Vec4};
+use rayon::prelude::*;
 
 /// Angle by which maps are turned around the light from the horizontal [rad]. Edges of buildings are level or upright; along
 /// texels they would be off by the same part of a texel all along, and all light that they let through with them.
@@ -16,6 +16,13 @@ const TURN: f64 = 0.4;
 
 /// Maps have about so many texels on a side, however few pixels there are, unless their resolution is less.
 const LEAST: f64 = 256.0;
+
+/// The most by which the far end of a partition is beyond its near end where there are more partitions than asked for: with that,
+/// a map of the greatest resolution still has a texel for each pixel at its near end.
+const RATIO: f64 = 4.0;
+
+/// The share of rays that end so near that they do not decide how far maps are split.
+const NEAR_SHARE: f64 = 0.05;
 
 /// A rectangle across the light [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,10 +44,24 @@ impl Window {
         }
     }
 
+    fn and(self, other: &Window) -> Window {
+        Window {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
     fn within(self, other: &Window) -> Window {
         Window {
             min: self.min.max(other.min),
             max: self.max.min(other.max),
+        }
+    }
+
+    fn grown(self, by: DVec2) -> Window {
+        Window {
+            min: self.min - by,
+            max: self.max + by,
         }
     }
 
@@ -53,58 +74,37 @@ impl Window {
     }
 }
 
-/// What a partition covers across the light, and the depth in its middle [m].
+/// What a partition covers across the light, and a distance in its middle [m].
+#[derive(Debug, Clone, Copy)]
 struct Covered {
     window: Window,
-    depth: f64,
+    distance: f64,
 }
 
-/// Width of a pixel in the middle of the picture at a depth [m].
-fn pixel_width(conditions: &Conditions, depth: f64) -> f64 {
-    if conditions.view.points().is_some() {
-        // Points have no pixels: maps are as fine as they may be.
-        return 0.0;
-    }
-    let middle = 0.5 * UVec2::from(conditions.view.size).as_dvec2();
-    let at = |x: f64, y: f64| {
-        let ray = conditions
-            .view
-            .camera
-            .ray(middle + DVec2::new(x, y), conditions.view.size);
-        ray.origin + depth * ray.direction
+/// Distances at which what is seen is split, from 0 to the farthest. Where the wanted number would make partitions whose ends are
+/// too far apart, there are more, evenly in the logarithm.
+fn splits(near: f64, far: f64, settings: &MapSettings) -> Vec<f64> {
+    let near = near.clamp(1e-9 * far, far);
+    let parts = settings.partitions.max(1);
+    let needed = 1.0 + ((far / near).ln() / RATIO.ln()).max(0.0);
+    let count = parts.max((needed.ceil() as usize).min(PARTITIONS as usize - 1));
+    let share = if count > parts {
+        1.0
+    } else {
+        settings.logarithmic
     };
-    let middle = at(0.0, 0.0);
-    (at(1.0, 0.0) - middle)
-        .length()
-        .min((at(0.0, 1.0) - middle).length())
-}
-
-/// The corners of the camera's view: where each corner's rays begin and what they do for a metre of depth.
-fn corner_rays(conditions: &Conditions) -> Vec<(DVec3, DVec3)> {
-    let [w, h] = conditions.view.size.map(f64::from);
-    let [_, _, forward] = conditions.view.camera.axes();
-    [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)]
-        .map(|(x, y)| {
-            let ray = conditions
-                .view
-                .camera
-                .ray(DVec2::new(x, y), conditions.view.size);
-            (ray.origin, ray.direction / ray.direction.dot(forward))
-        })
-        .to_vec()
-}
-
-/// Depths at which the camera's view is split, from 0 on: the last is that of the farthest caster.
-fn splits(nearest: f64, farthest: f64, settings: &MapSettings) -> Vec<f64> {
-    let near = nearest.max(farthest / DEPTHS);
-    (0..=settings.partitions)
+    (0..=count)
         .map(|i| {
-            let f = i as f64 / settings.partitions as f64;
-            let logarithmic = near * (farthest / near).powf(f);
-            let even = near + (farthest - near) * f;
+            // The first split is at `near` where all are logarithmic.
+            let f = match count > parts {
+                true => (i as f64 - 1.0) / (count as f64 - 1.0).max(1.0),
+                false => i as f64 / count as f64,
+            };
+            let logarithmic = near * (far / near).powf(f);
+            let even = near + (far - near) * f;
             match i {
                 0 => 0.0,
-                _ => settings.logarithmic * logarithmic + (1.0 - settings.logarithmic) * even,
+                _ => share * logarithmic + (1.0 - share) * even,
             }
         })
         .collect()
@@ -113,218 +113,293 @@ fn splits(nearest: f64, farthest: f64, settings: &MapSettings) -> Vec<f64> {
 /// Texels on a side of each of the six faces around a local beam, of what a map may have at most.
 const FACE: u32 = 4;
 
-/// A local beam: six maps, the faces of a cube around it.
-fn local(conditions: &Conditions, position: DVec3, radius: f64, most: u32) -> shared::Beam {
-    let extent = conditions.geometry.extent();
-    shared::Beam {
-        kind: shared::LOCAL,
-        partitions: 6,
-        side: (most / FACE).max(16) as f32,
-        position: (position - conditions.view.camera.eye).as_vec3(),
-        extent: radius as f32,
-        // Inside of the lamp nothing stands in its way.
-        near: radius.max(1e-4 * extent).max(f64::from(f32::MIN_POSITIVE)) as f32,
+/// A beam without maps.
+pub fn unmapped(conditions: &Conditions, beam: &Beam) -> shared::Beam {
+    let none = shared::Beam {
+        side: 1.0,
         ..shared::Beam::default()
-    }
-}
-
-/// A beam and its maps' windows, the finest map first. Its `side` is that of the largest map; its strength is left at zero.
-///
-/// A map is as dense as the settings ask in the middle of its partition, so that a partition has as many texels as the picture
-/// has use for: near ones the most that a side may have, those in the distance or under a low sun fewer.
-pub fn fit(
-    conditions: &Conditions,
-    casters: &[DVec3],
-    beam: &Beam,
-    settings: &MapSettings,
-) -> shared::Beam {
-    let (toward, angular_radius) = match *beam {
+    };
+    match *beam {
         Beam::Parallel {
             toward,
             angular_radius,
             ..
-        } => (toward, angular_radius),
+        } => shared::Beam {
+            kind: shared::PARALLEL,
+            extent: angular_radius as f32,
+            toward: toward.as_vec3(),
+            ..none
+        },
         Beam::Local {
             position, radius, ..
-        } => return local(conditions, position, radius, settings.most),
+        } => shared::Beam {
+            kind: shared::LOCAL,
+            position: (position - conditions.view.camera.eye).as_vec3(),
+            extent: radius as f32,
+            ..none
+        },
+    }
+}
+
+/// A beam and its maps, the finest first. Its `side` is that of the largest map; its strength is left at zero.
+///
+/// A map is as dense as the settings ask in the middle of its partition, so that a partition has as many texels as the picture
+/// has use for: near ones the most that a side may have, those in the distance or under a low sun fewer. All coordinates are
+/// relative to the anchor: near it they keep their digits however far the scene reaches.
+pub fn fit(
+    conditions: &Conditions,
+    seen: &Seen,
+    casters: &[DVec3],
+    anchor: DVec3,
+    beam: &Beam,
+    settings: &MapSettings,
+) -> shared::Beam {
+    let fitted = unmapped(conditions, beam);
+    let toward = match *beam {
+        Beam::Parallel { toward, .. } => toward,
+        Beam::Local { radius, .. } => {
+            // A lamp's maps see all around it, from inside of it on: nothing stands in its way there.
+            let near = radius.max(1e-6 * conditions.geometry.extent().min(1.0));
+            return shared::Beam {
+                partitions: 6,
+                side: (settings.most / FACE).max(16) as f32,
+                near: near.max(f64::from(f32::MIN_POSITIVE)) as f32,
+                ..fitted
+            };
+        }
     };
     let eye = conditions.view.camera.eye;
-    let geometry = &conditions.geometry;
-    let (low, high) = geometry.bounds();
-    let origin = 0.5 * (low + high);
-    let height = toward;
-    let level = DVec3::Y.cross(height).try_normalize().unwrap_or(DVec3::X);
-    let across = TURN.cos() * level + TURN.sin() * height.cross(level);
-    let along = height.cross(across);
-    let place = |p: DVec3| DVec2::new(across.dot(p - origin), along.dot(p - origin));
-
-    let mut all = Window::EMPTY;
-    let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-    for p in casters {
-        all = all.with(place(*p));
-        let h = height.dot(*p - origin);
-        (lowest, highest) = (lowest.min(h), highest.max(h));
-    }
-    if casters.is_empty() {
-        (all.min, all.max, lowest, highest) = (DVec2::ZERO, DVec2::ZERO, 0.0, 0.0);
-    }
-    // Flat things need room too; nothing may be clipped by rounding.
-    let slack = 1e-6 * geometry.extent().max(f64::MIN_POSITIVE);
-    all = Window {
-        min: all.min - slack,
-        max: all.max + slack,
+    let level = DVec3::Y.cross(toward).try_normalize().unwrap_or(DVec3::X);
+    let across = TURN.cos() * level + TURN.sin() * toward.cross(level);
+    let along = toward.cross(across);
+    let place = |p: DVec3| {
+        let p = p - anchor;
+        DVec3::new(across.dot(p), along.dot(p), toward.dot(p))
     };
-    (lowest, highest) = (lowest - slack, highest + slack);
+    let triangles: Vec<[DVec3; 3]> = casters
+        .par_chunks_exact(3)
+        .map(|t| [place(t[0]), place(t[1]), place(t[2])])
+        .collect();
+    let corners = triangles.as_flattened().par_iter();
+    let (low, high) = corners
+        .fold(
+            || (DVec3::INFINITY, DVec3::NEG_INFINITY),
+            |(low, high), p| (low.min(*p), high.max(*p)),
+        )
+        .reduce(
+            || (DVec3::INFINITY, DVec3::NEG_INFINITY),
+            |a, b| (a.0.min(b.0), a.1.max(b.1)),
+        );
+    let (low, high) = match triangles.is_empty() {
+        true => (DVec3::ZERO, DVec3::ZERO),
+        false => (low, high),
+    };
+    // Flat things need room too; nothing may be clipped by rounding to f32.
+    let slack = 1e-6 * (high - low).length() + 4e-7 * low.abs().max(high.abs()).max_element();
+    let slack = slack.max(f64::from(f32::MIN_POSITIVE));
+    let all = Window {
+        min: low.truncate() - slack,
+        max: high.truncate() + slack,
+    };
 
-    let mut parts = views(conditions, place, (low, high), settings);
+    let mut parts = views(conditions, seen, |p| place(p).truncate(), settings);
     parts
         .iter_mut()
         .for_each(|part| part.window = part.window.within(&all));
     parts.retain(|part| !part.window.is_empty());
-    let mut fitted: Vec<(Window, PartitionMap)> = Vec::with_capacity(parts.len());
+    // As many texels as the wanted number of maps has, however many there are.
+    let budget =
+        (settings.partitions.max(1) as f64 * 4.0 / 3.0 / parts.len().max(1) as f64).min(1.0);
+    let most = ((f64::from(settings.most) * budget.sqrt()) as u32).max(16);
+    let mut fitted_maps: Vec<(Window, PartitionMap)> = Vec::with_capacity(parts.len());
     for part in &mut parts {
-        part.window.min -= slack;
-        part.window.max += slack;
-        let texel = pixel_width(conditions, part.depth) / settings.density;
-        let map = snapped(&part.window, texel, settings.most, geometry.extent());
-        fitted.push((part.window, map));
+        let size = part.window.max - part.window.min;
+        part.window = part.window.grown(1e-6 * size + 1e-3 * slack);
+        let texel = pixel_width(conditions, part.distance) / settings.density;
+        fitted_maps.push((part.window, snapped(&part.window, texel, most)));
     }
-    let area = |map: &PartitionMap| map.texel.x * map.texel.y;
-    fitted.sort_by(|(_, a), (_, b)| area(a).total_cmp(&area(b)));
+    let texel_area = |map: &PartitionMap| map.texel.x * map.texel.y;
+    fitted_maps.sort_by(|(_, a), (_, b)| texel_area(a).total_cmp(&texel_area(b)));
     // What a finer map covers is never read from a coarser one.
-    let mut maps: Vec<(Window, PartitionMap)> = Vec::with_capacity(fitted.len());
-    for (window, map) in fitted {
-        if maps.len() < PARTITIONS as usize
-            && !maps.iter().any(|(finer, _)| finer.encloses(&window))
+    let mut maps: Vec<PartitionMap> = Vec::with_capacity(fitted_maps.len());
+    let mut covered: Vec<Window> = Vec::new();
+    for (window, map) in fitted_maps {
+        if maps.len() < PARTITIONS as usize && !covered.iter().any(|finer| finer.encloses(&window))
         {
-            maps.push((window, map));
+            covered.push(window);
+            maps.push(map);
         }
     }
-    let side = maps.iter().map(|(_, map)| map.size.max_element());
+    for (map, heights) in maps.iter_mut().zip(heights(&triangles, &covered)) {
+        // Corners far away are rounded, and with them what lies between.
+        let slack = 1e-3 * (heights.1 - heights.0) + 1e-6 * low.abs().max(high.abs()).max_element();
+        let slack = slack.max(f64::from(f32::MIN_POSITIVE));
+        map.heights = DVec2::new(heights.0 - slack, heights.1 + slack).as_vec2();
+    }
+    let side = maps.iter().map(|map| map.size.max_element());
     let side = side.fold(1.0, f32::max);
-
-    let plane = |axis: DVec3| {
-        let offset = axis.dot(eye - origin);
-        Vec4::from((axis.as_vec3(), offset as f32))
-    };
+    let plane = |axis: DVec3| Vec4::from((axis.as_vec3(), axis.dot(eye - anchor) as f32));
     let mut light = shared::Beam {
-        kind: shared::PARALLEL,
-        extent: angular_radius as f32,
-        toward: toward.as_vec3(),
         partitions: maps.len() as u32,
         side,
         across: plane(across),
         along: plane(along),
-        height: plane(height),
+        height: plane(toward),
         casters: Vec4::new(
             all.min.x as f32,
             all.min.y as f32,
             all.max.x as f32,
             all.max.y as f32,
         ),
-        heights: Vec4::new(lowest as f32, highest as f32, 0.0, 0.0),
-        ..shared::Beam::default()
+        highest: (high.z + slack) as f32,
+        ..fitted
     };
-    for (place, (_, map)) in light.maps.iter_mut().zip(&maps) {
+    for (place, map) in light.maps.iter_mut().zip(&maps) {
         *place = *map;
     }
     light
 }
 
-/// What each part of the view covers across the light; the last part has no far end.
+/// Least and greatest height of what lies over or under each window [m]; 0 and 0 where nothing does.
+fn heights(triangles: &[[DVec3; 3]], windows: &[Window]) -> Vec<(f64, f64)> {
+    let none = || vec![(f64::INFINITY, f64::NEG_INFINITY); windows.len()];
+    let with = |mut heights: Vec<(f64, f64)>, triangle: &[DVec3; 3]| {
+        let bounds = triangle
+            .iter()
+            .fold(Window::EMPTY, |window, p| window.with(p.truncate()));
+        for (window, heights) in windows.iter().zip(&mut heights) {
+            if bounds.within(window).is_empty() {
+                continue;
+            }
+            let mut count = |p: DVec3| *heights = (heights.0.min(p.z), heights.1.max(p.z));
+            if window.encloses(&bounds) {
+                triangle.iter().copied().for_each(count);
+            } else {
+                clipped(triangle, window).into_iter().for_each(&mut count);
+            }
+        }
+        heights
+    };
+    let join = |a: Vec<(f64, f64)>, b: Vec<(f64, f64)>| {
+        let pairs = a.into_iter().zip(b);
+        pairs.map(|(a, b)| (a.0.min(b.0), a.1.max(b.1))).collect()
+    };
+    let found = triangles
+        .par_iter()
+        .with_min_len(4096)
+        .fold(none, with)
+        .reduce(none, join);
+    let or_flat = |heights: (f64, f64)| match heights.0 <= heights.1 {
+        true => heights,
+        false => (0.0, 0.0),
+    };
+    found.into_iter().map(or_flat).collect()
+}
+
+/// The corners of what a window leaves of a triangle (Sutherland & Hodgman 1974).
+fn clipped(triangle: &[DVec3; 3], window: &Window) -> Vec<DVec3> {
+    let mut polygon = triangle.to_vec();
+    for (axis, limit, sign) in [
+        (0, window.min.x, 1.0),
+        (0, window.max.x, -1.0),
+        (1, window.min.y, 1.0),
+        (1, window.max.y, -1.0),
+    ] {
+        let inside = |p: DVec3| sign * (p[axis] - limit);
+        let mut next = Vec::with_capacity(polygon.len() + 1);
+        for (i, &p) in polygon.iter().enumerate() {
+            let q = polygon[(i + 1) % polygon.len()];
+            let (a, b) = (inside(p), inside(q));
+            if a >= 0.0 {
+                next.push(p);
+            }
+            if (a >= 0.0) != (b >= 0.0) {
+                next.push(p + (q - p) * (a / (a - b)));
+            }
+        }
+        polygon = next;
+    }
+    polygon
+}
+
+/// What each part of the view covers across the light, the nearest first.
+///
+/// Maps are fitted to the rays of `seen`. What other rays see beyond them is covered by a last one, that of the whole view.
 fn views(
     conditions: &Conditions,
+    seen: &Seen,
     place: impl Fn(DVec3) -> DVec2,
-    (low, high): (DVec3, DVec3),
     settings: &MapSettings,
 ) -> Vec<Covered> {
-    let eye = conditions.view.camera.eye;
-    let corners = (0..8).map(|i| {
-        let pick = |bit: usize, a: f64, b: f64| if i & bit == 0 { a } else { b };
-        DVec3::new(
-            pick(1, low.x, high.x),
-            pick(2, low.y, high.y),
-            pick(4, low.z, high.z),
-        )
-    });
-    if conditions.view.camera.projection == Projection::Panorama {
-        // Nested squares around the eye.
-        let farthest = corners.map(|c| c.distance(eye)).fold(0.0, f64::max);
-        let depths = splits(0.0, farthest, settings);
-        return depths
-            .windows(2)
-            .zip(1..)
-            .map(|(pair, i)| {
-                let reach = if i == settings.partitions {
-                    f64::INFINITY
-                } else {
-                    pair[1]
-                };
-                Covered {
-                    window: Window {
-                        min: place(eye) - reach,
-                        max: place(eye) + reach,
-                    },
-                    depth: 0.5 * (pair[0] + pair[1]),
-                }
-            })
-            .collect();
+    let whole = Covered {
+        window: cone(conditions, &place),
+        distance: 0.5 * seen.farthest(),
+    };
+    if seen.sights.is_empty() {
+        return vec![whole];
     }
-    let [_, _, forward] = conditions.view.camera.axes();
-    let depths: Vec<f64> = corners.map(|c| (c - eye).dot(forward)).collect();
-    let farthest = depths.iter().copied().fold(0.0, f64::max);
-    let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
-    let rays = corner_rays(conditions);
-    let cone = rays.iter().fold(Window::EMPTY, |window, (from, step)| {
-        let start = place(*from);
-        let move_ = place(*from + *step) - start;
-        let end = |m: f64, s: f64| match m {
+    let splits = splits(0.5 * seen.quantile(NEAR_SHARE), seen.farthest(), settings);
+    let mut parts: Vec<Covered> = splits
+        .windows(2)
+        .filter_map(|ends| {
+            let of = |sight: &Sight| {
+                let (from, to) = (sight.near.max(ends[0]), sight.far.min(ends[1]));
+                (from <= to).then(|| {
+                    let window = Window::EMPTY.with(place(sight.ray.at(from)));
+                    window.with(place(sight.ray.at(to)))
+                })
+            };
+            let window = seen.sights.iter().filter_map(of);
+            let window = window.reduce(|a, b| a.and(&b))?;
+            // Rays between those that were traced see a little more.
+            let size = window.max - window.min;
+            Some(Covered {
+                window: window.grown(0.02 * size),
+                distance: match ends[0] {
+                    0.0 => 0.5 * ends[1],
+                    from => (from * ends[1]).sqrt(),
+                },
+            })
+        })
+        .collect();
+    parts.push(whole);
+    parts
+}
+
+/// The whole view, seen along the light.
+fn cone(conditions: &Conditions, place: &impl Fn(DVec3) -> DVec2) -> Window {
+    let camera = &conditions.view.camera;
+    if camera.projection == Projection::Panorama {
+        return Window {
+            min: DVec2::NEG_INFINITY,
+            max: DVec2::INFINITY,
+        };
+    }
+    let [w, h] = conditions.view.size.map(f64::from);
+    let corners = [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)];
+    corners.into_iter().fold(Window::EMPTY, |window, (x, y)| {
+        let ray = camera.ray(DVec2::new(x, y), conditions.view.size);
+        let start = place(ray.origin);
+        let goes = place(ray.at(1.0)) - start;
+        let end = |goes: f64, start: f64| match goes {
             m if m > 0.0 => f64::INFINITY,
             m if m < 0.0 => f64::NEG_INFINITY,
-            _ => s,
+            _ => start,
         };
-        let far = DVec2::new(end(move_.x, start.x), end(move_.y, start.y));
+        let far = DVec2::new(end(goes.x, start.x), end(goes.y, start.y));
         window.with(start).with(far)
-    });
-    if farthest <= 0.0 {
-        // All is behind the eye; what shades the view comes from there.
-        return vec![Covered {
-            window: cone,
-            depth: 0.5 * nearest.abs(),
-        }];
-    }
-    let splits = splits(nearest, farthest, settings);
-    let slice = |from: f64, to: f64| {
-        rays.iter().fold(Window::EMPTY, |window, (origin, step)| {
-            window
-                .with(place(*origin + from * *step))
-                .with(place(*origin + to * *step))
-        })
-    };
-    splits
-        .windows(2)
-        .zip(1..)
-        .map(|(pair, i)| Covered {
-            window: if i == settings.partitions {
-                cone
-            } else {
-                slice(pair[0], pair[1])
-            },
-            depth: 0.5 * (pair[0] + pair[1]),
-        })
-        .collect()
+    })
 }
 
 /// The map that covers a window with two texels to spare, texels being about `texel` [m] wide, less where that makes fewer than
-/// [`LEAST`], more where it makes more than `most`: their sizes come in steps
-/// of 2^(1/8) of the scene's diagonal, and windows begin at whole texels, so that a small change of the view moves the map by
-/// whole texels or not at all.
-fn snapped(window: &Window, texel: f64, most: u32, extent: f64) -> PartitionMap {
+/// [`LEAST`], more where it makes more than `most`: their sizes come in steps of 2^(1/8), and windows begin at whole texels, so that
+/// a small change of the view moves the map by whole texels or not at all.
+fn snapped(window: &Window, texel: f64, most: u32) -> PartitionMap {
     let size = window.max - window.min;
     // A few large pixels see less of a map than light has detail: their own means need it.
     let wanted = (size / LEAST).min(DVec2::splat(texel));
     let size = (size / (f64::from(most) - 4.0)).max(wanted);
-    let step = |x: f64| extent * (0.125 * (8.0 * (x / extent).log2()).ceil()).exp2();
+    let step = |x: f64| (0.125 * (8.0 * x.max(1e-30).log2()).ceil()).exp2();
     let texel = DVec2::new(step(size.x), step(size.y)).as_vec2();
     let least = (window.min / texel.as_dvec2()).floor() - 1.0;
     let size = (window.max / texel.as_dvec2()).ceil() + 1.0 - least;
@@ -332,6 +407,7 @@ fn snapped(window: &Window, texel: f64, most: u32, extent: f64) -> PartitionMap 
         least: (least * texel.as_dvec2()).as_vec2(),
         texel,
         size: size.as_vec2().min(Vec2::splat(most as f32)),
+        heights: Vec2::ZERO,
     }
 }
 
@@ -339,22 +415,54 @@ fn snapped(window: &Window, texel: f64, most: u32, extent: f64) -> PartitionMap 
 mod tests {
     use super::*;
 
+    fn settings(partitions: usize) -> MapSettings {
+        MapSettings {
+            partitions,
+            logarithmic: 0.7,
+            most: 512,
+            density: 1.0,
+        }
+    }
+
     #[test]
     fn splits_grow_from_nothing_to_the_farthest() {
-        let depths = splits(
-            0.1,
-            100.0,
-            &MapSettings {
-                partitions: 4,
-                logarithmic: 0.7,
-                most: 512,
-                density: 1.0,
-            },
+        for (partitions, near, far) in [
+            (4, 0.1, 2.0),
+            (3, 0.1, 40_000.0),
+            (1, 5.0, 5.0),
+            (3, 0.0, 1e7),
+        ] {
+            let distances = splits(near, far, &settings(partitions));
+            assert_eq!(distances[0], 0.0);
+            let last = distances[distances.len() - 1];
+            assert!((last / far - 1.0).abs() < 1e-9, "{distances:?}");
+            assert!(distances.windows(2).all(|d| d[1] >= d[0]), "{distances:?}");
+            assert!(distances.len() <= PARTITIONS as usize);
+        }
+        // A scene that reaches 40 km keeps its near partitions.
+        let far = splits(1.0, 40_000.0, &settings(3));
+        assert!(far[1] <= 1.0 + 1e-9 && far.len() > 6, "{far:?}");
+    }
+
+    #[test]
+    fn heights_are_those_within_the_window() {
+        // A plane z = x that reaches far, and something high elsewhere.
+        let far = 1e5;
+        let plane = [
+            DVec3::new(-far, -far, -far),
+            DVec3::new(far, -far, far),
+            DVec3::new(0.0, far, 0.0),
+        ];
+        let tower = [DVec3::new(50.0, 0.0, 900.0); 3];
+        let window = Window {
+            min: DVec2::new(-2.0, -1.0),
+            max: DVec2::new(3.0, 1.0),
+        };
+        let found = heights(&[plane, tower], &[window]);
+        assert!(
+            (found[0].0 + 2.0).abs() < 1e-9 && (found[0].1 - 3.0).abs() < 1e-9,
+            "{found:?}"
         );
-        assert_eq!(depths.len(), 5);
-        assert_eq!(depths[0], 0.0);
-        assert!((depths[4] - 100.0).abs() < 1e-9);
-        assert!(depths.windows(2).all(|d| d[1] > d[0]));
     }
 
     #[test]
@@ -363,10 +471,10 @@ mod tests {
             min: DVec2::new(-3.7 + shift, 11.0),
             max: DVec2::new(20.1 + shift, 12.5),
         };
-        let still = snapped(&window(0.0), 0.0, 512, 30.0);
+        let still = snapped(&window(0.0), 0.0, 512);
         for shift in [0.0, 0.003, 0.5, 123.456] {
             let w = window(shift);
-            let map = snapped(&w, 0.0, 512, 30.0);
+            let map = snapped(&w, 0.0, 512);
             let least = map.least.as_dvec2();
             let most = least + map.size.as_dvec2() * map.texel.as_dvec2();
             assert!(map.size.max_element() <= 512.0, "{}", map.size);

@@ -27,6 +27,7 @@ mod pipeline;
 mod prepare;
 mod scene;
 mod schedule;
+mod seen;
 mod shared;
 pub mod sky_map;
 mod source;

@@ -268,9 +268,9 @@ impl Pipelines {
             write_mask: ColorWrites::ALL,
         })];
         let compare = match what.pass.over {
-            // The camera's depth is reversed.
-            Over::Raster(RasterView::Camera(_)) => CompareFunction::Greater,
-            _ => CompareFunction::Less,
+            Over::Raster(RasterView::Hemicube(_)) => CompareFunction::Less,
+            // What is near the camera or the light has the greatest depth.
+            _ => CompareFunction::Greater,
         };
         let mut pipeline = |infix: &str| {
             let vertex = format!("{}{infix}_vertex", what.pass.entry);

@@ -201,8 +201,9 @@ impl<'p> Maker<'_, 'p> {
                         raster,
                         group,
                         settings,
-                        corners: self.scene.caster_corners(self.device),
+                        corners: self.scene.caster_corners(self.device)?,
                         beams: Vec::new(),
+                        seen: None,
                         runs: 0,
                     });
                 }
@@ -245,7 +246,11 @@ impl<'p> Maker<'_, 'p> {
         for field in each {
             let group = self.group(effect, pass, settings, &layout, field)?;
             let beams = match pass.when {
-                When::EachBeam(beams) => self.beams(beams(plan.conditions, settings))?,
+                When::EachBeam(beams) => {
+                    let traced = |r: &Resource| matches!(r, Resource::CasterTree);
+                    let mapped = !pass.uses.iter().any(traced);
+                    self.beams(beams(plan.conditions, settings), mapped)?
+                }
                 _ => Vec::new(),
             };
             let groups = match pass.over {
@@ -314,10 +319,10 @@ impl<'p> Maker<'_, 'p> {
         });
     }
 
-    /// The numbers of beams.
-    fn beams(&mut self, beams: Vec<crate::beam::Beam>) -> Result<Vec<usize>> {
+    /// The numbers of beams, whose maps are asked or not.
+    fn beams(&mut self, beams: Vec<crate::beam::Beam>, mapped: bool) -> Result<Vec<usize>> {
         let conditions = self.plan.conditions;
-        let casters = &self.scene.casters;
+        let (casters, anchor) = (&self.scene.casters, self.scene.anchor);
         let Some(maps) = self.maps.as_mut() else {
             // The plan checks that somebody draws them; whoever it is may have nothing to do.
             return match beams.is_empty() {
@@ -330,7 +335,7 @@ impl<'p> Maker<'_, 'p> {
         };
         Ok(beams
             .iter()
-            .map(|beam| maps.number(conditions, casters, beam))
+            .map(|beam| maps.number(conditions, casters, anchor, beam, mapped))
             .collect())
     }
 
@@ -387,6 +392,11 @@ impl<'p> Maker<'_, 'p> {
                 }
                 Resource::Numbers => {
                     bound.push(Bound::View(self.numbers.create_view(&Default::default())));
+                    continue;
+                }
+                Resource::CasterTree => {
+                    let tree = self.scene.caster_tree(device)?;
+                    bound.push(Bound::View(tree.create_view(&Default::default())));
                     continue;
                 }
                 Resource::Faces => {

@@ -12,10 +12,10 @@ use crate::effect::Resource;
 use crate::error::Result;
 use crate::medium::{Fog, Phase, Shape};
 use crate::scene::{Geometry, Ray, Scene, Wrap};
-use glam::{DVec3, UVec2, Vec3};
+use glam::{DVec3, UVec2, Vec3, Vec4};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, OnceLock};
-use wgpu::{Buffer, BufferUsages, Texture};
+use wgpu::{Buffer, BufferUsages, Texture, TextureFormat};
 
 /// Which triangles are drawn, and in which order: the solid ones first.
 pub struct Triangles {
@@ -126,6 +126,7 @@ pub struct SceneOnDevice {
     /// Buffers made when a pass first names them.
     made: BTreeMap<&'static str, Buffer>,
     caster_corners: Option<Texture>,
+    caster_tree: Option<Texture>,
     /// Shadow maps of beams.
     pub slots: Slots,
 }
@@ -142,6 +143,7 @@ impl SceneOnDevice {
             planes: OnceLock::new(),
             made: BTreeMap::new(),
             caster_corners: None,
+            caster_tree: None,
             slots: Slots::default(),
         }
     }
@@ -162,6 +164,7 @@ impl SceneOnDevice {
         self.anchor = eye;
         self.made.remove(CORNERS_NAME);
         self.caster_corners = None;
+        self.caster_tree = None;
         self.slots = Slots::default();
     }
 
@@ -185,9 +188,9 @@ impl SceneOnDevice {
 
     /// Corners relative to the anchor [m], three texels a triangle, in rows of [`CORNERS`]; each with the number, from 1, of the
     /// triangle beyond the edge that begins there, 0 for none.
-    pub fn caster_corners(&mut self, device: &Device) -> Texture {
+    pub fn caster_corners(&mut self, device: &Device) -> Result<Texture> {
         if let Some(texture) = &self.caster_corners {
-            return texture.clone();
+            return Ok(texture.clone());
         }
         let beyond = beyond_edges(&self.casters[..3 * self.triangles.solid as usize]);
         // Whole numbers up to 2^24 are exact; the others' edges end at nothing.
@@ -200,9 +203,43 @@ impl SceneOnDevice {
             .iter()
             .enumerate()
             .map(|(i, p)| (*p - self.anchor).as_vec3().extend(number(i)));
-        let texture = device.vectors("corners of casters", CORNERS, texels.collect());
+        let texture = device.texels(
+            "corners of casters",
+            CORNERS,
+            TextureFormat::Rgba32Float,
+            texels.collect::<Vec<Vec4>>(),
+        )?;
         self.caster_corners = Some(texture.clone());
-        texture
+        Ok(texture)
+    }
+
+    /// The tree of casters, as `shaders/common/caster_tree.wgsl` reads it.
+    pub fn caster_tree(&mut self, device: &Device) -> Result<Texture> {
+        if let Some(texture) = &self.caster_tree {
+            return Ok(texture.clone());
+        }
+        let bounds = self.geometry.in_order();
+        let mut texels = Vec::with_capacity(2 * bounds.len() + 2);
+        texels.extend([[bounds.len() as u32 + 1, 0, 0, 0], [0; 4]]);
+        for bound in &bounds {
+            // Rounded to the outside.
+            let (min, max) = (bound.min - self.anchor, bound.max - self.anchor);
+            let slack = 4.0 * f64::from(f32::EPSILON) * min.abs().max(max.abs());
+            let bits = |p: DVec3| p.as_vec3().to_array().map(f32::to_bits);
+            let ([ax, ay, az], [bx, by, bz]) = (bits(min - slack), bits(max + slack));
+            let triangle = bound
+                .triangle
+                .map_or(0, |n| self.triangles.drawn[n as usize]);
+            texels.extend([[ax, ay, az, bound.skip + 1], [bx, by, bz, triangle]]);
+        }
+        let texture = device.texels(
+            "the tree of casters",
+            shared::TREE_WIDTH,
+            TextureFormat::Rgba32Uint,
+            texels,
+        )?;
+        self.caster_tree = Some(texture.clone());
+        Ok(texture)
     }
 
     /// A buffer of the scene.

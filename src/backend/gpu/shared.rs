@@ -46,6 +46,8 @@ constants! {
     PARTITIONS: u32 = 16;
     /// Added to the number of a caster that has holes.
     CUT_OUT: u32 = 0x8000_0000;
+    /// Texels in a row of the tree of casters.
+    TREE_WIDTH: u32 = 4096;
     /// Numbers of a [`Surface`] that is none, and of the ground; those of triangles follow.
     NOTHING: u32 = 0;
     GROUND: u32 = 1;
@@ -137,8 +139,8 @@ pub struct Medium {
 pub struct PartitionMap {
     pub least: Vec2,
     pub texel: Vec2,
-    #[shader(size(16))]
     pub size: Vec2,
+    pub heights: Vec2,
 }
 
 /// `Beam` of shaders/common/beam.wgsl.
@@ -152,12 +154,12 @@ pub struct Beam {
     pub along: Vec4,
     pub height: Vec4,
     pub casters: Vec4,
-    pub heights: Vec4,
     pub maps: [PartitionMap; PARTITIONS as usize],
     pub position: Vec3,
     pub kind: u32,
     pub extent: f32,
     pub near: f32,
+    pub highest: f32,
 }
 
 /// The bytes of a uniform.
@@ -293,7 +295,15 @@ mod tests {
                 weight
             }
         ));
-        assert!(same!(&common, PartitionMap { least, texel, size }));
+        assert!(same!(
+            &common,
+            PartitionMap {
+                least,
+                texel,
+                size,
+                heights
+            }
+        ));
         assert!(same!(
             &common,
             Beam {
@@ -305,7 +315,6 @@ mod tests {
                 along,
                 height,
                 casters,
-                heights,
                 maps,
                 position,
                 kind,

@@ -45,7 +45,7 @@ impl Binding {
     fn of(resource: &Resource) -> Self {
         match resource {
             Resource::Update(_) | Resource::Each | Resource::Make(_) => Binding::Write,
-            Resource::Numbers => Binding::Texture,
+            Resource::Numbers | Resource::CasterTree => Binding::Texture,
             Resource::Faces => Binding::TextureArray,
             Resource::Knobs(_) => Binding::Uniform,
             _ => Binding::Read,
@@ -119,6 +119,7 @@ fn declared(resource: &Resource) -> (&'static str, &'static str) {
         Resource::MaterialOf => ("material_of", "array<u32>"),
         Resource::Materials => ("materials", "array<Material>"),
         Resource::Texels => ("texels", "array<u32>"),
+        Resource::CasterTree => ("caster_tree", "texture_2d<u32>"),
         Resource::Knobs(_) => ("knobs", "Knobs"),
         Resource::Table(_) => ("table", "array<f32>"),
         Resource::Sky => ("sky_numbers", "array<f32>"),
@@ -147,6 +148,9 @@ pub fn shader_text(
                 text += &knob_struct(&knobs(effect, pass, conditions, settings));
             }
             Resource::Sky => text += &sky_table(),
+            Resource::CasterTree => {
+                text += include_str!("../../../shaders/common/caster_tree.wgsl");
+            }
             _ => {}
         }
         text += &format!("@group(1) @binding({binding}) var{space} {name}: {kind};\n");

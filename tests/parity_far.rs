@@ -1,0 +1,265 @@
+//! The GPU's pictures against the reference's where the scene reaches far: each kind of scene as it is, with a cube of a metre
+//! 1.4 km away, and on a slab of 40 km. All pixels are compared, shadow edges among them.
+
+mod common;
+
+use common::build::*;
+use common::shafts::gpu;
+use common::{scenes, views};
+use glam::{DVec3, dvec3};
+use std::f64::consts::PI;
+use tyndall::backend::Limits;
+use tyndall::backend::reference::Reference;
+use tyndall::colour::luminance;
+use tyndall::conditions::{CameraChoice, Conditions, Request};
+use tyndall::effect::Field;
+use tyndall::frame::Frame;
+use tyndall::medium::{Phase, Shape};
+use tyndall::plan::{Overrules, Plan, Quality};
+use tyndall::scene::{self, Camera, Scene, SunEntry, Triangle};
+use views::fog;
+
+const DEG: f64 = PI / 180.0;
+const SIZE: [u32; 2] = [64, 48];
+
+/// A scene seen by a camera.
+struct Kind {
+    name: String,
+    scene: Scene,
+    camera: Camera,
+}
+
+/// Haze in a box around a scene, as dense as to take a third of the light along its diagonal.
+fn hazy(mut scene: Scene) -> Scene {
+    let (min, max) = scene.mesh.bounds().expect("it has triangles");
+    let size = (max - min).length();
+    scene.media = vec![fog(
+        Shape::Box {
+            min: min - 0.02 * size,
+            max: max + 0.02 * size,
+        },
+        0.4 / size,
+        0.02 / size,
+        Phase::HenyeyGreenstein { g: 0.5 },
+    )];
+    scene
+}
+
+fn kind(name: &str, scene: Scene, eye: [f64; 3], target: [f64; 3]) -> Kind {
+    Kind {
+        name: name.into(),
+        scene: hazy(scene),
+        camera: Camera::look_at(eye.into(), target.into(), 60.0 * DEG),
+    }
+}
+
+/// A hall with a roof on posts and a wall, as in the smallest case that came out wrong.
+fn hall() -> Scene {
+    let mut triangles = cuboid(dvec3(-5.0, -0.2, -6.0), dvec3(5.0, 0.0, 9.0));
+    triangles.extend(cuboid(dvec3(-5.2, 0.0, -6.0), dvec3(-5.0, 4.0, 9.0)));
+    triangles.extend(cuboid(dvec3(-5.2, 0.0, -6.2), dvec3(5.2, 4.0, -6.0)));
+    for k in 0..6 {
+        let z = -5.0 + 2.4 * f64::from(k);
+        triangles.extend(cuboid(dvec3(4.7, 0.0, z), dvec3(5.0, 4.0, z + 0.3)));
+    }
+    for k in 0..4 {
+        let z = -5.0 + 3.5 * f64::from(k);
+        triangles.extend(cuboid(dvec3(-5.2, 4.0, z), dvec3(5.2, 4.2, z + 2.6)));
+    }
+    scene(&triangles, 110.0, 40.0)
+}
+
+/// Stairs in a corner: nothing but inner corners.
+fn stairs() -> Scene {
+    let mut triangles = Vec::new();
+    for k in 0..10 {
+        let (y, z) = (0.2 * f64::from(k), -0.3 * f64::from(k));
+        triangles.extend(cuboid(dvec3(-2.0, y - 0.2, z - 0.3), dvec3(2.0, y, z)));
+    }
+    triangles.extend(cuboid(dvec3(-2.2, -0.2, -4.0), dvec3(-2.0, 4.0, 2.0)));
+    triangles.extend(cuboid(dvec3(-2.0, -0.4, 0.0), dvec3(2.0, -0.2, 2.0)));
+    scene(&triangles, 70.0, 50.0)
+}
+
+/// Blocks of houses of many heights, with streets between them.
+fn city() -> Scene {
+    let mut triangles = cuboid(dvec3(-160.0, -1.0, -160.0), dvec3(160.0, 0.0, 160.0));
+    for i in 0..12 {
+        for j in 0..12 {
+            let (x, z) = (26.0 * f64::from(i) - 150.0, 26.0 * f64::from(j) - 150.0);
+            let height = 8.0 + f64::from((i * 7 + j * 11) % 13) * 3.5;
+            triangles.extend(cuboid(dvec3(x, 0.0, z), dvec3(x + 18.0, height, z + 16.0)));
+            triangles.extend(cuboid(
+                dvec3(x + 4.0, height, z + 4.0),
+                dvec3(x + 8.0, height + 3.0, z + 8.0),
+            ));
+        }
+    }
+    scene(&triangles, 140.0, 30.0)
+}
+
+/// A room whose only window is a hand wide.
+fn tiny_window() -> Scene {
+    scenes::slit_room(0.1, [90.0, 35.0])
+}
+
+/// A ball of many facets on a floor.
+fn ball() -> Scene {
+    let at = |i: usize, j: usize| {
+        let (theta, phi) = (PI * i as f64 / 24.0, 2.0 * PI * (j % 48) as f64 / 48.0);
+        dvec3(theta.sin() * phi.cos(), 1.0 + theta.cos(), theta.sin() * phi.sin())
+    };
+    let mut triangles = cuboid(dvec3(-4.0, -0.2, -4.0), dvec3(4.0, 0.0, 4.0));
+    for i in 0..24 {
+        for j in 0..48 {
+            triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
+            triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
+        }
+    }
+    scene(&triangles, 60.0, 35.0)
+}
+
+/// What people have, in twenty kinds.
+fn kinds() -> Vec<Kind> {
+    let mut kinds = vec![
+        kind("hall", hall(), [0.0, 1.6, 8.0], [0.0, 1.8, -5.0]),
+        kind("stairs", stairs(), [1.5, 1.8, 1.8], [-1.0, 0.8, -2.0]),
+        kind("city", city(), [2.0, 1.7, 29.0], [3.0, 12.0, -60.0]),
+        kind("city from above", city(), [-190.0, 120.0, 210.0], [0.0, 10.0, 0.0]),
+        kind("tiny window", tiny_window(), [-2.0, 1.6, 3.5], [1.0, 1.5, -2.0]),
+        kind("ball", ball(), [0.5, 1.6, 5.0], [0.0, 0.9, 0.0]),
+        kind("slit room", scenes::slit_room(0.3, [80.0, 40.0]), [-2.0, 1.6, 4.0], [1.0, 1.5, -2.0]),
+        kind("slatted roof", scenes::slatted_roof(20, [100.0, 60.0]), [-2.5, 1.6, 4.2], [0.5, 1.6, -3.0]),
+        kind("gates", scenes::gates(6, [70.0, 25.0]), [0.5, 1.7, 8.0], [0.0, 1.8, -10.0]),
+        kind("colonnade", scenes::colonnade(6, 12, [75.0, 30.0]), [0.3, 1.7, 2.0], [0.0, 1.8, -12.0]),
+        kind("hills", scenes::terrain(40, 400.0, [110.0, 20.0]), [30.0, 60.0, 120.0], [0.0, 10.0, -60.0]),
+        kind("far mountain", scenes::terrain(40, 20_000.0, [110.0, 15.0]), [1000.0, 2600.0, 9000.0], [0.0, 900.0, -3000.0]),
+        kind("soup", scenes::soup(300, 0.2, 7, [40.0, 45.0]), [0.0, 0.3, 2.8], [0.0, 0.0, 0.0]),
+        kind("straight walls", scenes::gates(3, [90.0, 45.0]), [4.0, 2.0, 6.0], [-1.0, 1.0, -6.0]),
+    ];
+    for view in [views::slats(1.0), views::hills(), views::antisolar(), views::forest(60)] {
+        kinds.push(Kind {
+            name: format!("the study {}", view.name),
+            scene: view.scene,
+            camera: view.camera,
+        });
+    }
+    // Haze without end over the ground, seen from within and from above.
+    let mut open = hall();
+    open.media = vec![fog(Shape::Haze { top: 60.0 }, 0.004, 0.0004, Phase::HenyeyGreenstein { g: 0.5 })];
+    kinds.push(Kind {
+        name: "hall in a wide haze".into(),
+        scene: open,
+        camera: Camera::look_at(dvec3(9.0, 1.7, 12.0), dvec3(-2.0, 2.0, -5.0), 60.0 * DEG),
+    });
+    let mut fence = scenes::gates(5, [80.0, 20.0]);
+    fence.media = vec![fog(Shape::Haze { top: 30.0 }, 0.01, 0.001, Phase::Isotropic)];
+    kinds.push(Kind {
+        name: "gates in a wide haze".into(),
+        scene: fence,
+        camera: Camera::look_at(dvec3(9.0, 1.7, 5.0), dvec3(-2.0, 2.0, -8.0), 60.0 * DEG),
+    });
+    kinds
+}
+
+/// Adds triangles of the first material.
+fn add(scene: &mut Scene, triangles: &[[DVec3; 3]]) {
+    let mesh = &mut scene.mesh;
+    for corners in triangles {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(corners);
+        mesh.normals.extend([DVec3::ZERO; 3]);
+        mesh.uvs.extend([glam::DVec2::ZERO; 3]);
+        if !mesh.colors.is_empty() {
+            mesh.colors.extend([glam::DVec4::ONE; 3]);
+        }
+        mesh.triangles.push(Triangle {
+            vertices: [first, first + 1, first + 2],
+            material: 0,
+        });
+    }
+}
+
+/// A cube of a metre, 1.4 km away.
+fn with_far_cube(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let at = dvec3(1000.0, 0.0, -980.0);
+    add(&mut scene, &cuboid(at, at + 1.0));
+    scene
+}
+
+/// A slab of 40 km just below everything.
+fn on_a_slab(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let (min, _) = scene.mesh.bounds().expect("it has triangles");
+    let top = min.y - 0.01;
+    add(
+        &mut scene,
+        &cuboid(dvec3(-2e4, top - 1.0, -2e4), dvec3(2e4, top, 2e4)),
+    );
+    scene
+}
+
+/// Relative RMSE of a layer's luminance over all pixels, and how many are off by more than a tenth of its mean.
+fn error(found: &Frame, truth: &Frame, field: Field) -> (f64, usize) {
+    let (found, truth) = (layer(found, field), layer(truth, field));
+    let mean = truth.iter().map(|v| luminance(*v)).sum::<f64>() / truth.len() as f64;
+    let pairs = found.iter().zip(&truth);
+    let off = pairs.map(|(a, b)| (luminance(*a) - luminance(*b)).abs());
+    let square: f64 = off.clone().map(|d| d * d).sum();
+    if square == 0.0 {
+        return (0.0, 0);
+    }
+    let rmse = (square / truth.len() as f64).sqrt() / mean;
+    (rmse, off.filter(|d| *d > 0.1 * mean).count())
+}
+
+/// Errors of `sun`, `inscatter_sun` and `sky`.
+fn errors(scene: Scene, camera: Camera) -> [(f64, usize); 3] {
+    let request = Request {
+        size: Some(SIZE),
+        samples: Some(1),
+        camera: CameraChoice::Given(camera),
+        ..Request::default()
+    };
+    let conditions = Conditions::new(scene, &request).expect("the scene is sound");
+    let overrules = Overrules {
+        quality: Quality::Preview,
+        set: [("surface_sun.suns", 1.0), ("shafts_rectified.suns", 1.0), ("surface_sky.rays", 16.0)]
+            .map(|(knob, value)| (knob.to_owned(), value))
+            .into_iter()
+            .collect(),
+        ..Overrules::default()
+    };
+    let plan = Plan::new(&conditions, &overrules).expect("the plan is sound");
+    let limits = Limits::memory(1 << 30);
+    let found = gpu().render(&plan, &limits, &|_| {}).expect("the device works").frame;
+    let truth = Reference::new(&plan).render(&limits, &|_| {}).expect("there is memory").frame;
+    [Field::Sun, Field::InscatterSun, Field::Sky].map(|field| error(&found, &truth, field))
+}
+
+#[test]
+fn far_things_change_nothing() {
+    let test = "far_things_change_nothing";
+    if !common::gpu(test) {
+        return;
+    }
+    let only = std::env::var("ONLY").unwrap_or_default();
+    for Kind { name, scene, camera } in kinds() {
+        if !name.contains(&only) {
+            continue;
+        }
+        for (with, scene) in [
+            ("alone", scene.clone()),
+            ("far cube", with_far_cube(&scene)),
+            ("on a slab", on_a_slab(&scene)),
+        ] {
+            let start = std::time::Instant::now();
+            let [sun, air, sky] = errors(scene, camera);
+            eprintln!(
+                "{name:<24} {with:<10} sun {:9.2e} ({:3})  in-scatter {:9.2e} ({:3})  sky {:9.2e} ({:3})   {:.1} s",
+                sun.0, sun.1, air.0, air.1, sky.0, sky.1, start.elapsed().as_secs_f64()
+            );
+        }
+    }
+}
