@@ -38,7 +38,7 @@ fn map_cut_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32
 
 @fragment
 fn map_cut_fragment(in: Caster) -> @location(0) u32 {
-    let material = materials[material_of[in.triangle]];
+    let material = materials[facets[in.triangle].material];
     let texel = texels[texel_index(material, in.uv)];
     if f32(texel >> 24u) < material.least_alpha {
         discard;

@@ -41,7 +41,7 @@ fn picture_cut_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex:
 
 @fragment
 fn picture_cut_fragment(in: CutOut) -> @location(0) u32 {
-    let material = materials[material_of[in.triangle]];
+    let material = materials[facets[in.triangle].material];
     let texel = texels[texel_index(material, in.uv)];
     if f32(texel >> 24u) < material.least_alpha {
         discard;
@@ -66,18 +66,24 @@ fn met_triangle(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
     let b = corner(first + 1u) - origin;
     let c = corner(first + 2u) - origin;
     let edge = cross(b - a, c - a);
-    let across = dot(edge, direction);
+    let facet = facets[triangle];
+    let normal = facet.plane.xyz;
+    let across = dot(normal, direction);
+    let over = facet.plane.w - dot(normal, tile.eye) - dot(normal, origin);
     var surface: Surface;
     surface.number = triangle + GROUND + 1u;
-    surface.facet = normalize(edge) * select(1.0, -1.0, across > 0.0);
-    // The rasteriser may name a triangle that the ray passes by a hair; it is met at its border then.
-    var p = select(dot(edge, a) / across, dot(a, direction), abs(across) < 1e-9 * length(edge)) * direction - a;
+    surface.facet = normal * select(1.0, -1.0, across > 0.0);
+    let t = select(over / across, dot(a, direction), abs(across) < 1e-9);
+    var p = t * direction - a;
     let e = b - a;
     let f = c - a;
     let square = dot(edge, edge);
-    var v = clamp(dot(cross(p, f), edge) / square, 0.0, 1.0);
-    var w = clamp(dot(cross(e, p), edge) / square, 0.0, 1.0 - v);
-    surface.distance = max(dot(a + v * e + w * f, direction), 0.0);
+    let inside = vec2f(dot(cross(p, f), edge), dot(cross(e, p), edge)) / square;
+    let v = clamp(inside.x, 0.0, 1.0);
+    let w = clamp(inside.y, 0.0, 1.0 - v);
+    // The rasteriser may name a triangle that the ray passes by a hair; it is met at its border then.
+    let beside = max(abs(inside.x - v), abs(inside.y - w)) > 1e-5;
+    surface.distance = max(select(t, dot(a + v * e + w * f, direction), beside), 0.0);
     let u = 1.0 - v - w;
     let x = attributes[first];
     let y = attributes[first + 1u];
@@ -88,7 +94,7 @@ fn met_triangle(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
         let side = dot(shading, edge) * dot(surface.facet, edge);
         surface.normal = normalize(shading) * select(1.0, -1.0, side < 0.0);
     }
-    let material = materials[material_of[triangle]];
+    let material = materials[facet.material];
     var color = material.color * (x.color * u + y.color * v + z.color * w);
     if material.size.x > 0u {
         let texel = texels[texel_index(material, uv_of(x) * u + uv_of(y) * v + uv_of(z) * w)];

@@ -107,7 +107,11 @@ fn tiny_window() -> Scene {
 fn ball() -> Scene {
     let at = |i: usize, j: usize| {
         let (theta, phi) = (PI * i as f64 / 24.0, 2.0 * PI * (j % 48) as f64 / 48.0);
-        dvec3(theta.sin() * phi.cos(), 1.0 + theta.cos(), theta.sin() * phi.sin())
+        dvec3(
+            theta.sin() * phi.cos(),
+            1.0 + theta.cos(),
+            theta.sin() * phi.sin(),
+        )
     };
     let mut triangles = cuboid(dvec3(-4.0, -0.2, -4.0), dvec3(4.0, 0.0, 4.0));
     for i in 0..24 {
@@ -125,19 +129,74 @@ fn kinds() -> Vec<Kind> {
         kind("hall", hall(), [0.0, 1.6, 8.0], [0.0, 1.8, -5.0]),
         kind("stairs", stairs(), [1.5, 1.8, 1.8], [-1.0, 0.8, -2.0]),
         kind("city", city(), [2.0, 1.7, 29.0], [3.0, 12.0, -60.0]),
-        kind("city from above", city(), [-190.0, 120.0, 210.0], [0.0, 10.0, 0.0]),
-        kind("tiny window", tiny_window(), [-2.0, 1.6, 3.5], [1.0, 1.5, -2.0]),
+        kind(
+            "city from above",
+            city(),
+            [-190.0, 120.0, 210.0],
+            [0.0, 10.0, 0.0],
+        ),
+        kind(
+            "tiny window",
+            tiny_window(),
+            [-2.0, 1.6, 3.5],
+            [1.0, 1.5, -2.0],
+        ),
         kind("ball", ball(), [0.5, 1.6, 5.0], [0.0, 0.9, 0.0]),
-        kind("slit room", scenes::slit_room(0.3, [80.0, 40.0]), [-2.0, 1.6, 4.0], [1.0, 1.5, -2.0]),
-        kind("slatted roof", scenes::slatted_roof(20, [100.0, 60.0]), [-2.5, 1.6, 4.2], [0.5, 1.6, -3.0]),
-        kind("gates", scenes::gates(6, [70.0, 25.0]), [0.5, 1.7, 8.0], [0.0, 1.8, -10.0]),
-        kind("colonnade", scenes::colonnade(6, 12, [75.0, 30.0]), [0.3, 1.7, 2.0], [0.0, 1.8, -12.0]),
-        kind("hills", scenes::terrain(40, 400.0, [110.0, 20.0]), [30.0, 60.0, 120.0], [0.0, 10.0, -60.0]),
-        kind("far mountain", scenes::terrain(40, 20_000.0, [110.0, 15.0]), [1000.0, 2600.0, 9000.0], [0.0, 900.0, -3000.0]),
-        kind("soup", scenes::soup(300, 0.2, 7, [40.0, 45.0]), [0.0, 0.3, 2.8], [0.0, 0.0, 0.0]),
-        kind("straight walls", scenes::gates(3, [90.0, 45.0]), [4.0, 2.0, 6.0], [-1.0, 1.0, -6.0]),
+        kind(
+            "slit room",
+            scenes::slit_room(0.3, [80.0, 40.0]),
+            [-2.0, 1.6, 4.0],
+            [1.0, 1.5, -2.0],
+        ),
+        kind(
+            "slatted roof",
+            scenes::slatted_roof(20, [100.0, 60.0]),
+            [-2.5, 1.6, 4.2],
+            [0.5, 1.6, -3.0],
+        ),
+        kind(
+            "gates",
+            scenes::gates(6, [70.0, 25.0]),
+            [0.5, 1.7, 8.0],
+            [0.0, 1.8, -10.0],
+        ),
+        kind(
+            "colonnade",
+            scenes::colonnade(6, 12, [75.0, 30.0]),
+            [0.3, 1.7, 2.0],
+            [0.0, 1.8, -12.0],
+        ),
+        kind(
+            "hills",
+            scenes::terrain(40, 400.0, [110.0, 20.0]),
+            [30.0, 60.0, 120.0],
+            [0.0, 10.0, -60.0],
+        ),
+        kind(
+            "far mountain",
+            scenes::terrain(40, 20_000.0, [110.0, 15.0]),
+            [1000.0, 2600.0, 9000.0],
+            [0.0, 900.0, -3000.0],
+        ),
+        kind(
+            "soup",
+            scenes::soup(300, 0.2, 7, [40.0, 45.0]),
+            [0.0, 0.3, 2.8],
+            [0.0, 0.0, 0.0],
+        ),
+        kind(
+            "straight walls",
+            scenes::gates(3, [90.0, 45.0]),
+            [4.0, 2.0, 6.0],
+            [-1.0, 1.0, -6.0],
+        ),
     ];
-    for view in [views::slats(1.0), views::hills(), views::antisolar(), views::forest(60)] {
+    for view in [
+        views::slats(1.0),
+        views::hills(),
+        views::antisolar(),
+        views::forest(60),
+    ] {
         kinds.push(Kind {
             name: format!("the study {}", view.name),
             scene: view.scene,
@@ -146,14 +205,24 @@ fn kinds() -> Vec<Kind> {
     }
     // Haze without end over the ground, seen from within and from above.
     let mut open = hall();
-    open.media = vec![fog(Shape::Haze { top: 60.0 }, 0.004, 0.0004, Phase::HenyeyGreenstein { g: 0.5 })];
+    open.media = vec![fog(
+        Shape::Haze { top: 60.0 },
+        0.004,
+        0.0004,
+        Phase::HenyeyGreenstein { g: 0.5 },
+    )];
     kinds.push(Kind {
         name: "hall in a wide haze".into(),
         scene: open,
         camera: Camera::look_at(dvec3(9.0, 1.7, 12.0), dvec3(-2.0, 2.0, -5.0), 60.0 * DEG),
     });
     let mut fence = scenes::gates(5, [80.0, 20.0]);
-    fence.media = vec![fog(Shape::Haze { top: 30.0 }, 0.01, 0.001, Phase::Isotropic)];
+    fence.media = vec![fog(
+        Shape::Haze { top: 30.0 },
+        0.01,
+        0.001,
+        Phase::Isotropic,
+    )];
     kinds.push(Kind {
         name: "gates in a wide haze".into(),
         scene: fence,
@@ -225,16 +294,55 @@ fn errors(scene: Scene, camera: Camera) -> [(f64, usize); 3] {
     let conditions = Conditions::new(scene, &request).expect("the scene is sound");
     let overrules = Overrules {
         quality: Quality::Preview,
-        set: [("surface_sun.suns", 1.0), ("shafts_rectified.suns", 1.0), ("surface_sky.rays", 16.0)]
-            .map(|(knob, value)| (knob.to_owned(), value))
-            .into_iter()
-            .collect(),
+        set: [
+            ("surface_sun.suns", 1.0),
+            ("shafts_rectified.suns", 1.0),
+            ("surface_sky.rays", 16.0),
+            (
+                "shadow.density",
+                std::env::var("DEN").map_or(8.0, |c| c.parse().unwrap()),
+            ),
+            (
+                "shafts_rectified.rows",
+                std::env::var("ROWS").map_or(2048.0, |c| c.parse().unwrap()),
+            ),
+        ]
+        .map(|(knob, value)| (knob.to_owned(), value))
+        .into_iter()
+        .collect(),
         ..Overrules::default()
     };
     let plan = Plan::new(&conditions, &overrules).expect("the plan is sound");
     let limits = Limits::memory(1 << 30);
-    let found = gpu().render(&plan, &limits, &|_| {}).expect("the device works").frame;
-    let truth = Reference::new(&plan).render(&limits, &|_| {}).expect("there is memory").frame;
+    let found = gpu()
+        .render(&plan, &limits, &|_| {})
+        .expect("the device works")
+        .frame;
+    let truth = Reference::new(&plan)
+        .render(&limits, &|_| {})
+        .expect("there is memory")
+        .frame;
+    if std::env::var_os("SHOW").is_some() {
+        for field in [Field::Sun, Field::InscatterSun] {
+            let (a, b) = (layer(&found, field), layer(&truth, field));
+            let mean = b.iter().map(|v| luminance(*v)).sum::<f64>() / b.len() as f64;
+            for i in 0..a.len() {
+                if (a[i] - b[i]).length() > 0.05 * mean {
+                    eprintln!(
+                        "  {field:?} ({}, {}) {:.4e} {:.4e} depth {} {} normal {} {}",
+                        i % 64,
+                        i / 64,
+                        luminance(a[i]),
+                        luminance(b[i]),
+                        found.depth[i],
+                        truth.depth[i],
+                        found.normal[i],
+                        truth.normal[i]
+                    );
+                }
+            }
+        }
+    }
     [Field::Sun, Field::InscatterSun, Field::Sky].map(|field| error(&found, &truth, field))
 }
 
@@ -245,7 +353,12 @@ fn far_things_change_nothing() {
         return;
     }
     let only = std::env::var("ONLY").unwrap_or_default();
-    for Kind { name, scene, camera } in kinds() {
+    for Kind {
+        name,
+        scene,
+        camera,
+    } in kinds()
+    {
         if !name.contains(&only) {
             continue;
         }
@@ -258,7 +371,13 @@ fn far_things_change_nothing() {
             let [sun, air, sky] = errors(scene, camera);
             eprintln!(
                 "{name:<24} {with:<10} sun {:9.2e} ({:3})  in-scatter {:9.2e} ({:3})  sky {:9.2e} ({:3})   {:.1} s",
-                sun.0, sun.1, air.0, air.1, sky.0, sky.1, start.elapsed().as_secs_f64()
+                sun.0,
+                sun.1,
+                air.0,
+                air.1,
+                sky.0,
+                sky.1,
+                start.elapsed().as_secs_f64()
             );
         }
     }

@@ -32,6 +32,13 @@ fn turned(a: vec3f, b: vec3f) -> f32 {
 // Whether a caster stands on the way of length `far` from `start`, relative to the anchor, along axes.z. `blur` is how far
 // `start` may be off; what it lies in by so little is no obstacle.
 fn caster_meets(triangle: u32, start: vec3f, axes: RayAxes, blur: f32, far: f32) -> bool {
+    let facet = facets[triangle];
+    let across = dot(facet.plane.xyz, axes.z);
+    let over = facet.plane.w - dot(facet.plane.xyz, start);
+    // In the plane, by as much as places are rounded, is no obstacle.
+    if abs(over) <= blur || over * across <= 0.0 || over / across >= far {
+        return false;
+    }
     let size = textureDimensions(caster_corners);
     let at = vec2u(3u * triangle % size.x, 3u * triangle / size.x);
     let c0 = textureLoad(caster_corners, at, 0).xyz;
@@ -47,13 +54,7 @@ fn caster_meets(triangle: u32, start: vec3f, axes: RayAxes, blur: f32, far: f32)
     if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
         return false;
     }
-    let normal = cross(b - a, c - a);
-    let size_of_normal = length(normal);
-    if abs(normal.z) <= 1e-12 * size_of_normal {
-        return false;
-    }
-    let over = dot(normal, a);
-    let material = materials[material_of[triangle]];
+    let material = materials[facet.material];
     if material.least_alpha >= 0.0 {
         let x = 3u * triangle;
         let uv = u * uv_of(attributes[x]) + v * uv_of(attributes[x + 1u]) + w * uv_of(attributes[x + 2u]);
@@ -61,8 +62,7 @@ fn caster_meets(triangle: u32, start: vec3f, axes: RayAxes, blur: f32, far: f32)
             return false;
         }
     }
-    let coarse = 2e-7 * max(max(length(c0), length(c1)), length(c2));
-    return abs(over) > (blur + coarse) * size_of_normal && over * sign(normal.z) > 0.0 && over / normal.z < far;
+    return true;
 }
 
 // Whether anything but the caster `own` stands between a place, relative to the eye, and the light.

@@ -40,6 +40,13 @@ struct Attributes {
     v: f32,
 }
 
+// A triangle's plane and material.
+struct Facet {
+    // Unit normal; and distance of the plane from the scene's anchor along it: made in f64, however far the corners are.
+    plane: vec4f,
+    material: u32,
+}
+
 struct Material {
     // Linear Rec. 709.
     color: vec3f,

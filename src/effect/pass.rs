@@ -186,14 +186,14 @@ pub enum Resource {
     Corners,
     /// Normals, texture coordinates and colours at these corners: `attributes: array<Attributes>`.
     Attributes,
-    /// Each triangle's material: `material_of: array<u32>`.
-    MaterialOf,
+    /// Each triangle's plane and material: `facets: array<Facet>`.
+    Facets,
     /// The materials: `materials: array<Material>`.
     Materials,
     /// Texels of all textures: `texels: array<u32>`.
     Texels,
     /// Whether anything stands between a surface and the pass's beam, exactly: `is_shaded(p, own)`, by the tree of all casters. The
-    /// pass runs for each beam, and names attributes, the triangles' materials, materials and texels too. It does without the
+    /// pass runs for each beam, and names attributes, facets, materials and texels too. It does without the
     /// beam's shadow maps, which need not have been drawn.
     CasterTree,
     /// Numbers by name: `knobs: Knobs`, a struct with just these members.

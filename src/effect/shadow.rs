@@ -66,7 +66,7 @@ pub const SHADOW: Effect = Effect {
         when: When::Tile,
         uses: &[
             Resource::Attributes,
-            Resource::MaterialOf,
+            Resource::Facets,
             Resource::Materials,
             Resource::Texels,
         ],

@@ -80,7 +80,7 @@ pub const SURFACE_SUN: Effect = Effect {
             Resource::Update(Field::Sun),
             Resource::CasterTree,
             Resource::Attributes,
-            Resource::MaterialOf,
+            Resource::Facets,
             Resource::Materials,
             Resource::Texels,
         ],

@@ -60,7 +60,7 @@ pub const VISIBILITY: Effect = Effect {
             when: When::Tile,
             uses: &[
                 Resource::Attributes,
-                Resource::MaterialOf,
+                Resource::Facets,
                 Resource::Materials,
                 Resource::Texels,
             ],
@@ -72,7 +72,7 @@ pub const VISIBILITY: Effect = Effect {
             when: When::Tile,
             uses: &[
                 Resource::Attributes,
-                Resource::MaterialOf,
+                Resource::Facets,
                 Resource::Materials,
                 Resource::Texels,
                 Resource::Corners,

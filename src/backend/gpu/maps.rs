@@ -15,7 +15,7 @@ use rayon::prelude::*;
 const TURN: f64 = 0.4;
 
 /// Maps have about so many texels on a side, however few pixels there are, unless their resolution is less.
-const LEAST: f64 = 256.0;
+const LEAST: f64 = 1024.0;
 
 /// The most by which the far end of a partition is beyond its near end where there are more partitions than asked for: with that,
 /// a map of the greatest resolution still has a texel for each pixel at its near end.

@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::medium::{Fog, Phase, Shape};
 use crate::scene::{Geometry, Ray, Scene, Wrap};
 use glam::{DVec3, UVec2, Vec3, Vec4};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, OnceLock};
 use wgpu::{Buffer, BufferUsages, Texture, TextureFormat};
@@ -163,6 +164,7 @@ impl SceneOnDevice {
         }
         self.anchor = eye;
         self.made.remove(CORNERS_NAME);
+        self.made.remove(FACETS_NAME);
         self.caster_corners = None;
         self.caster_tree = None;
         self.slots = Slots::default();
@@ -242,6 +244,25 @@ impl SceneOnDevice {
         Ok(texture)
     }
 
+    /// Planes relative to the anchor, and materials.
+    fn facets(&self, conditions: &Conditions) -> Vec<shared::Facet> {
+        let mesh = &conditions.scene.mesh;
+        let corners = self.casters.par_chunks_exact(3);
+        let numbers = self.triangles.numbers.par_iter();
+        let facet = |(corners, number): (&[DVec3], &u32)| {
+            let [a, b, c] = [0, 1, 2].map(|i| corners[i] - self.anchor);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            // The normal is rounded; its plane is right where the triangle comes nearest to the anchor.
+            let normal = normal.as_vec3();
+            let nearest = nearest_to_origin([a, b, c]);
+            shared::Facet {
+                plane: normal.extend(normal.as_dvec3().dot(nearest) as f32),
+                material: mesh.triangles[*number as usize].material,
+            }
+        };
+        corners.zip(numbers).map(facet).collect()
+    }
+
     /// A buffer of the scene.
     pub fn buffer(
         &mut self,
@@ -252,7 +273,7 @@ impl SceneOnDevice {
         let name = match resource {
             Resource::Corners => CORNERS_NAME,
             Resource::Attributes => "normals and texture coordinates",
-            Resource::MaterialOf => "the triangles' materials",
+            Resource::Facets => FACETS_NAME,
             Resource::Materials => "the materials",
             Resource::Texels => "the textures",
             _ => return Ok(None),
@@ -270,9 +291,7 @@ impl SceneOnDevice {
                 bytemuck::cast_slice(&relative.collect::<Vec<_>>()).to_vec()
             }
             Resource::Attributes => shared::list(&attributes(conditions, triangles)),
-            Resource::MaterialOf => {
-                bytemuck::cast_slice(&material_of(conditions, triangles)).to_vec()
-            }
+            Resource::Facets => shared::list(&self.facets(conditions)),
             Resource::Materials => shared::list(&materials(conditions, triangles)),
             _ => bytemuck::cast_slice(&texels(conditions)).to_vec(),
         };
@@ -287,6 +306,7 @@ impl SceneOnDevice {
 }
 
 const CORNERS_NAME: &str = "the scene's triangles";
+const FACETS_NAME: &str = "the triangles' planes and materials";
 
 fn attributes(conditions: &Conditions, triangles: &Triangles) -> Vec<Attributes> {
     let mesh = &conditions.scene.mesh;
@@ -307,12 +327,6 @@ fn attributes(conditions: &Conditions, triangles: &Triangles) -> Vec<Attributes>
             }
         })
         .collect()
-}
-
-fn material_of(conditions: &Conditions, triangles: &Triangles) -> Vec<u32> {
-    let mesh = &conditions.scene.mesh;
-    let number = |n: &u32| mesh.triangles[*n as usize].material;
-    triangles.numbers.iter().map(number).collect()
 }
 
 fn materials(conditions: &Conditions, triangles: &Triangles) -> Vec<Material> {
@@ -360,6 +374,41 @@ fn texels(conditions: &Conditions) -> Vec<u32> {
     textures
         .flat_map(|texture| texture.pixels.iter().map(|p| u32::from_le_bytes(*p)))
         .collect()
+}
+
+/// The point of a triangle that is nearest to the origin, to the precision of f64 relative to its corners (Ericson 2005, 5.1.5).
+fn nearest_to_origin([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let (ab, ac) = (b - a, c - a);
+    let (d1, d2) = (-ab.dot(a), -ac.dot(a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let (d3, d4) = (-ab.dot(b), -ac.dot(b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let (d5, d6) = (-ab.dot(c), -ac.dot(c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (to_c, to_b) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && to_c >= 0.0 && to_b >= 0.0 {
+        return b + (c - b) * (to_c / (to_c + to_b).max(f64::MIN_POSITIVE));
+    }
+    let sum = va + vb + vc;
+    if sum <= 0.0 {
+        return a;
+    }
+    a + ab * (vb / sum) + ac * (vc / sum)
 }
 
 /// The media, relative to the eye.

@@ -91,6 +91,13 @@ pub struct Attributes {
     pub v: f32,
 }
 
+/// `Facet` of shaders/common/tile.wgsl.
+#[derive(Debug, Clone, Copy, Default, PartialEq, ShaderType)]
+pub struct Facet {
+    pub plane: Vec4,
+    pub material: u32,
+}
+
 /// `Material` of shaders/common/tile.wgsl.
 #[derive(Debug, Clone, Copy, Default, ShaderType)]
 pub struct Material {
@@ -255,6 +262,7 @@ mod tests {
                 v
             }
         ));
+        assert!(same!(&common, Facet { plane, material }));
         assert!(same!(
             &common,
             Material {

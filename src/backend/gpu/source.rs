@@ -116,7 +116,7 @@ fn declared(resource: &Resource) -> (&'static str, &'static str) {
         Resource::Faces => ("faces", "texture_2d_array<u32>"),
         Resource::Corners => ("corners", "array<f32>"),
         Resource::Attributes => ("attributes", "array<Attributes>"),
-        Resource::MaterialOf => ("material_of", "array<u32>"),
+        Resource::Facets => ("facets", "array<Facet>"),
         Resource::Materials => ("materials", "array<Material>"),
         Resource::Texels => ("texels", "array<u32>"),
         Resource::CasterTree => ("caster_tree", "texture_2d<u32>"),
