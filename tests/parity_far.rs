@@ -16,7 +16,7 @@ use tyndall::effect::Field;
 use tyndall::frame::Frame;
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{self, Camera, Scene, SunEntry, Triangle};
+use tyndall::scene::{Camera, Projection, Scene, Triangle};
 use views::fog;
 
 const DEG: f64 = PI / 180.0;
@@ -283,8 +283,8 @@ fn error(found: &Frame, truth: &Frame, field: Field) -> (f64, usize) {
     (rmse, off.filter(|d| *d > 0.1 * mean).count())
 }
 
-/// Errors of `sun`, `inscatter_sun` and `sky`.
-fn errors(scene: Scene, camera: Camera) -> [(f64, usize); 3] {
+/// The pictures of a device and of the reference.
+fn pictures(scene: Scene, camera: Camera) -> [Frame; 2] {
     let request = Request {
         size: Some(SIZE),
         samples: Some(1),
@@ -322,28 +322,29 @@ fn errors(scene: Scene, camera: Camera) -> [(f64, usize); 3] {
         .render(&limits, &|_| {})
         .expect("there is memory")
         .frame;
-    if std::env::var_os("SHOW").is_some() {
-        for field in [Field::Sun, Field::InscatterSun] {
-            let (a, b) = (layer(&found, field), layer(&truth, field));
-            let mean = b.iter().map(|v| luminance(*v)).sum::<f64>() / b.len() as f64;
-            for i in 0..a.len() {
-                if (a[i] - b[i]).length() > 0.05 * mean {
-                    eprintln!(
-                        "  {field:?} ({}, {}) {:.4e} {:.4e} depth {} {} normal {} {}",
-                        i % 64,
-                        i / 64,
-                        luminance(a[i]),
-                        luminance(b[i]),
-                        found.depth[i],
-                        truth.depth[i],
-                        found.normal[i],
-                        truth.normal[i]
-                    );
-                }
-            }
-        }
+    [found, truth]
+}
+
+/// Errors of the layers.
+fn errors(scene: Scene, camera: Camera) -> [(f64, usize); 3] {
+    let [found, truth] = pictures(scene, camera);
+    ALLOWED.map(|(field, _)| error(&found, &truth, field))
+}
+
+/// What each layer may be off by, relative to its mean.
+const ALLOWED: [(Field, f64); 3] = [
+    (Field::Sun, 0.01),
+    (Field::InscatterSun, 0.005),
+    (Field::Sky, 1e-3),
+];
+
+/// More is allowed in a room whose slit has sides that the light runs along: rays that just graze its beam see a wedge of light
+/// thinner than a texel, of which a row shows nothing. One or two pixels are dark there.
+fn allowed(name: &str, field: Field, otherwise: f64) -> f64 {
+    match (name, field) {
+        ("slit room" | "tiny window", Field::InscatterSun) => 0.01,
+        _ => otherwise,
     }
-    [Field::Sun, Field::InscatterSun, Field::Sky].map(|field| error(&found, &truth, field))
 }
 
 #[test]
@@ -352,33 +353,107 @@ fn far_things_change_nothing() {
     if !common::gpu(test) {
         return;
     }
-    let only = std::env::var("ONLY").unwrap_or_default();
+    let mut complaints = Vec::new();
+    let mut most = [0f64; 3];
     for Kind {
         name,
         scene,
         camera,
     } in kinds()
     {
-        if !name.contains(&only) {
-            continue;
-        }
         for (with, scene) in [
             ("alone", scene.clone()),
             ("far cube", with_far_cube(&scene)),
             ("on a slab", on_a_slab(&scene)),
         ] {
-            let start = std::time::Instant::now();
-            let [sun, air, sky] = errors(scene, camera);
-            eprintln!(
-                "{name:<24} {with:<10} sun {:9.2e} ({:3})  in-scatter {:9.2e} ({:3})  sky {:9.2e} ({:3})   {:.1} s",
-                sun.0,
-                sun.1,
-                air.0,
-                air.1,
-                sky.0,
-                sky.1,
-                start.elapsed().as_secs_f64()
-            );
+            let found = errors(scene, camera);
+            let row = ALLOWED
+                .iter()
+                .zip(found)
+                .map(|((field, _), (rmse, off))| format!("  {} {rmse:.1e} ({off})", field.name()));
+            eprintln!("{name:<24} {with:<10}{}", row.collect::<String>());
+            for (((field, otherwise), (rmse, _)), most) in ALLOWED.iter().zip(found).zip(&mut most)
+            {
+                *most = most.max(rmse);
+                if rmse.is_nan() || rmse > allowed(&name, *field, *otherwise) {
+                    complaints.push(format!("{name}, {with}: {} {rmse:.1e}", field.name()));
+                }
+            }
+        }
+    }
+    eprintln!("the most: {most:.1?}");
+    assert_eq!(complaints, [""; 0]);
+}
+
+#[test]
+fn the_comparison_notices_a_turned_sun() {
+    if !common::gpu("the_comparison_notices_a_turned_sun") {
+        return;
+    }
+    let scene = on_a_slab(&hazy(hall()));
+    let camera = Camera::look_at(dvec3(0.0, 1.6, 8.0), dvec3(0.0, 1.8, -5.0), 60.0 * DEG);
+    let truth = pictures(scene.clone(), camera)[1].clone();
+    let mut turned = scene;
+    if let Some(sun) = &mut turned.sun {
+        sun.azimuth_deg += 0.5;
+    }
+    let [found, _] = pictures(turned, camera);
+    for (field, allowed) in &ALLOWED[..2] {
+        let (rmse, _) = error(&found, &truth, *field);
+        assert!(rmse > *allowed, "{}: {rmse}", field.name());
+    }
+}
+
+/// Two quads, of which one is 10 000 km away: the near one is where it is.
+#[test]
+fn something_ten_thousand_kilometres_away_hides_nothing() {
+    if !common::gpu("something_ten_thousand_kilometres_away_hides_nothing") {
+        return;
+    }
+    let near = quad(dvec3(-1.0, 0.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0);
+    for far in [1e4, 1e6, 1e7] {
+        for orthographic in [false, true] {
+            let mut all = near.to_vec();
+            all.extend(quad(dvec3(far, 0.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0));
+            let mut camera =
+                Camera::look_at(dvec3(0.4, 1.2, 3.2), dvec3(0.0, 1.0, 0.0), 50.0 * DEG);
+            if orthographic {
+                camera.projection = Projection::Orthographic { height: 3.0 };
+            }
+            let [found, truth] = pictures(scene(&all, 150.0, 40.0), camera);
+            let seen = truth.depth.iter().filter(|z| **z < 100.0).count();
+            assert!(seen > 500, "{far}: {seen} pixels");
+            let (rmse, _) = error(&found, &truth, Field::Sun);
+            assert!(rmse < 1e-4, "{far}, orthographic {orthographic}: {rmse}");
+            for (a, b) in found.depth.iter().zip(&truth.depth) {
+                assert!((a / b - 1.0).abs() < 1e-5, "{far}: {a} {b}");
+            }
+        }
+    }
+}
+
+/// Inside of a box that light enters nowhere, seen along all its corners: not one pixel is lit.
+#[test]
+fn inner_corners_are_dark() {
+    if !common::gpu("inner_corners_are_dark") {
+        return;
+    }
+    for far in [false, true] {
+        let mut closed = scene(
+            &cuboid(dvec3(-3.0, 0.0, -4.0), dvec3(3.0, 2.6, 4.0)),
+            37.0,
+            41.0,
+        );
+        if far {
+            closed = on_a_slab(&closed);
+        }
+        for azimuth in 0..8 {
+            closed.sun.as_mut().expect("it has one").azimuth_deg = 45.0 * f64::from(azimuth) + 3.0;
+            let camera = Camera::look_at(dvec3(2.6, 2.3, 3.7), dvec3(-2.9, 0.1, -3.9), 75.0 * DEG);
+            let [found, _] = pictures(closed.clone(), camera);
+            let lit = layer(&found, Field::Sun);
+            let lit = lit.iter().filter(|v| **v != DVec3::ZERO).count();
+            assert_eq!(lit, 0, "the sun in azimuth {}", 45 * azimuth + 3);
         }
     }
 }

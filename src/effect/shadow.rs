@@ -1,9 +1,16 @@
 //! Shadow maps in z-partitions, for the effects that ask on a GPU whether the sun reaches a point.
 //!
-//! What the camera sees is split along its depth z into n partitions, z_i = l zn (zf / zn)^(i/n) + (1 - l) (zn + (zf - zn) i/n)
-//! with l the knob split (Zhang et al. 2006); each has an orthographic map across the light whose window is fitted to the partition and
-//! snapped to whole texels. Every map holds the sun-nearest caster of the whole scene: depth runs over the scene's bounds and
-//! is never clamped. A point is compared in the finest map that covers it. Maps are made for each point of the sun's disc.
+//! Maps are fitted to what is seen and not to the bounds of the scene: some thousand rays of the picture tell how far it sees, to
+//! the first surface, the end of the air, or where the air hides what is behind (sample distribution shadow maps, Lauritzen,
+//! Salvi & Lefohn 2011, with rays on the CPU in place of the device's depths). What they see is split by its distance z from the
+//! eye into n partitions, z_i = l zn (zf / zn)^(i/n) + (1 - l) (zn + (zf - zn) i/n) with l the knob split (Zhang et al. 2006), zf
+//! the farthest that a ray sees and zn half of what the nearest twentieth does. Where that makes partitions whose ends are more
+//! than four times apart there are more of them, even in the logarithm. Each has an orthographic map across the light whose window
+//! is fitted to its part of the rays and snapped to whole texels; a last map covers the whole view, for what no ray has met. A map
+//! holds the sun-nearest caster of the whole scene; its depth runs over the heights of what lies over or under its window, so that
+//! it has as many digits as it needs wherever else the scene reaches. A point is compared in the finest map that covers it. Maps
+//! are made for each point of the sun's disc, and not at all where only surfaces are lit, whose shadows are traced
+//! ([`super::surface_sun`]).
 //!
 //! A map has as many texels as the picture has use for: `density` across the width of a pixel in the middle of its partition,
 //! measured across the light, up to `resolution` on a side. This is what the classes A, B and C of Kolivand et al. 2018 (section
@@ -25,13 +32,13 @@ pub const SHADOW: Effect = Effect {
     knobs: &[
         Knob {
             name: "partitions",
-            meaning: "parts of the camera's depth, one map each",
+            meaning: "parts of what is seen by its distance, one map each; more where that reaches far",
             values: [3.0, 3.0, 4.0, 4.0],
             range: [1.0, 16.0],
         },
         Knob {
             name: "split",
-            meaning: "share of logarithmic spacing in the split of the camera's depth; the rest is even",
+            meaning: "share of logarithmic spacing in the split by distance; the rest is even",
             values: [0.7; 4],
             range: [0.0, 1.0],
         },

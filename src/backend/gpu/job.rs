@@ -12,6 +12,7 @@ use super::shared;
 use super::store::Store;
 use super::tile::{Target, TileBuffers};
 use super::timer::Timer;
+use super::view;
 use crate::backend::film::{self, Film};
 use crate::backend::rendering::{Limits, Made, Progress, Rendered, StepTime, Traffic};
 use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
@@ -46,6 +47,8 @@ pub struct Job<'j> {
     pub triangles: &'j Triangles,
     pub planes: &'j [Plane],
     pub anchor: glam::DVec3,
+    /// The greatest depth in an orthographic frame [m].
+    pub deepest: f64,
     pub slots: &'j mut Slots,
     pub store: &'j mut Store,
     pub written: Vec<Field>,
@@ -135,6 +138,7 @@ impl<'j> Job<'j> {
         };
         let traced = stages.iter().any(traced);
         let anchor = scene.anchor;
+        let deepest = view::deepest(plan.conditions, &scene.casters);
         let (triangles, planes, slots) = scene.parts(traced);
         Ok(Job {
             plan,
@@ -143,6 +147,7 @@ impl<'j> Job<'j> {
             triangles,
             planes,
             anchor,
+            deepest,
             slots,
             store,
             written: plan.written(),

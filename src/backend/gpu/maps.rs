@@ -26,18 +26,18 @@ const NEAR_SHARE: f64 = 0.05;
 
 /// A rectangle across the light [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Window {
+pub(super) struct Window {
     min: DVec2,
     max: DVec2,
 }
 
 impl Window {
-    const EMPTY: Window = Window {
+    pub(super) const EMPTY: Window = Window {
         min: DVec2::INFINITY,
         max: DVec2::NEG_INFINITY,
     };
 
-    fn with(self, at: DVec2) -> Window {
+    pub(super) fn with(self, at: DVec2) -> Window {
         Window {
             min: self.min.min(at),
             max: self.max.max(at),
@@ -207,6 +207,12 @@ pub fn fit(
         .iter_mut()
         .for_each(|part| part.window = part.window.within(&all));
     parts.retain(|part| !part.window.is_empty());
+    // Texels lie as if counted from the scene's middle, whatever the anchor is.
+    let (least, greatest) = conditions.geometry.bounds();
+    let grid = Grid {
+        origin: place(0.5 * (least + greatest)).truncate(),
+        unit: conditions.geometry.extent().max(f64::MIN_POSITIVE),
+    };
     // As many texels as the wanted number of maps has, however many there are.
     let budget =
         (settings.partitions.max(1) as f64 * 4.0 / 3.0 / parts.len().max(1) as f64).min(1.0);
@@ -216,7 +222,7 @@ pub fn fit(
         let size = part.window.max - part.window.min;
         part.window = part.window.grown(1e-6 * size + 1e-3 * slack);
         let texel = pixel_width(conditions, part.distance) / settings.density;
-        fitted_maps.push((part.window, snapped(&part.window, texel, most)));
+        fitted_maps.push((part.window, snapped(&part.window, texel, most, &grid)));
     }
     let texel_area = |map: &PartitionMap| map.texel.x * map.texel.y;
     fitted_maps.sort_by(|(_, a), (_, b)| texel_area(a).total_cmp(&texel_area(b)));
@@ -261,7 +267,7 @@ pub fn fit(
 }
 
 /// Least and greatest height of what lies over or under each window [m]; 0 and 0 where nothing does.
-fn heights(triangles: &[[DVec3; 3]], windows: &[Window]) -> Vec<(f64, f64)> {
+pub(super) fn heights(triangles: &[[DVec3; 3]], windows: &[Window]) -> Vec<(f64, f64)> {
     let none = || vec![(f64::INFINITY, f64::NEG_INFINITY); windows.len()];
     let with = |mut heights: Vec<(f64, f64)>, triangle: &[DVec3; 3]| {
         let bounds = triangle
@@ -391,20 +397,28 @@ fn cone(conditions: &Conditions, place: &impl Fn(DVec3) -> DVec2) -> Window {
     })
 }
 
+/// Where texels lie: their sizes come in steps of 2^(1/8) of a unit, their borders at whole ones from an origin [m].
+struct Grid {
+    origin: DVec2,
+    unit: f64,
+}
+
 /// The map that covers a window with two texels to spare, texels being about `texel` [m] wide, less where that makes fewer than
-/// [`LEAST`], more where it makes more than `most`: their sizes come in steps of 2^(1/8), and windows begin at whole texels, so that
-/// a small change of the view moves the map by whole texels or not at all.
-fn snapped(window: &Window, texel: f64, most: u32) -> PartitionMap {
+/// [`LEAST`], more where it makes more than `most`. Sizes and borders are those of a grid, so that a small change of the view moves
+/// the map by whole texels or not at all.
+fn snapped(window: &Window, texel: f64, most: u32, grid: &Grid) -> PartitionMap {
     let size = window.max - window.min;
     // A few large pixels see less of a map than light has detail: their own means need it.
     let wanted = (size / LEAST).min(DVec2::splat(texel));
     let size = (size / (f64::from(most) - 4.0)).max(wanted);
-    let step = |x: f64| (0.125 * (8.0 * x.max(1e-30).log2()).ceil()).exp2();
+    let step =
+        |x: f64| grid.unit * (0.125 * (8.0 * (x / grid.unit).max(1e-30).log2()).ceil()).exp2();
     let texel = DVec2::new(step(size.x), step(size.y)).as_vec2();
-    let least = (window.min / texel.as_dvec2()).floor() - 1.0;
-    let size = (window.max / texel.as_dvec2()).ceil() + 1.0 - least;
+    let wide = texel.as_dvec2();
+    let least = ((window.min - grid.origin) / wide).floor() - 1.0;
+    let size = ((window.max - grid.origin) / wide).ceil() + 1.0 - least;
     PartitionMap {
-        least: (least * texel.as_dvec2()).as_vec2(),
+        least: (grid.origin + least * wide).as_vec2(),
         texel,
         size: size.as_vec2().min(Vec2::splat(most as f32)),
         heights: Vec2::ZERO,
@@ -471,10 +485,14 @@ mod tests {
             min: DVec2::new(-3.7 + shift, 11.0),
             max: DVec2::new(20.1 + shift, 12.5),
         };
-        let still = snapped(&window(0.0), 0.0, 512);
+        let grid = Grid {
+            origin: DVec2::new(17.3, -4.1),
+            unit: 30.0,
+        };
+        let still = snapped(&window(0.0), 0.0, 512, &grid);
         for shift in [0.0, 0.003, 0.5, 123.456] {
             let w = window(shift);
-            let map = snapped(&w, 0.0, 512);
+            let map = snapped(&w, 0.0, 512, &grid);
             let least = map.least.as_dvec2();
             let most = least + map.size.as_dvec2() * map.texel.as_dvec2();
             assert!(map.size.max_element() <= 512.0, "{}", map.size);

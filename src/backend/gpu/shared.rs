@@ -327,7 +327,8 @@ mod tests {
                 position,
                 kind,
                 extent,
-                near
+                near,
+                highest
             }
         ));
         let moved = common.replace("depth: f32,\n", "depth: mat4x4f,\n");

@@ -1,10 +1,44 @@
 //! What a tile's shaders know of the camera and the ground.
 
 use super::job::Job;
+use super::maps::{Window, heights};
 use super::shared;
 use crate::colour::Space;
+use crate::conditions::Conditions;
 use crate::scene::Projection;
 use glam::{DVec2, DVec3, UVec2, Vec4};
+use rayon::prelude::*;
+
+/// The near plane is a millionth of the scene's diagonal away, of this at most [m].
+const NEAR_OF: f64 = 1e3;
+
+/// The greatest depth of what an orthographic view has in its frame [m]; of other views nothing needs it.
+///
+/// Depths are even from the eye to there: a far end of the scene beside the frame does not make them coarse.
+pub(super) fn deepest(conditions: &Conditions, casters: &[DVec3]) -> f64 {
+    let camera = &conditions.view.camera;
+    let least = 1e-6 * conditions.geometry.extent();
+    if !matches!(camera.projection, Projection::Orthographic { .. }) {
+        return least;
+    }
+    let [right, up, forward] = camera.axes();
+    let place = |p: DVec3| {
+        let p = p - camera.eye;
+        DVec3::new(right.dot(p), up.dot(p), forward.dot(p))
+    };
+    let triangles: Vec<[DVec3; 3]> = casters
+        .par_chunks_exact(3)
+        .map(|t| [place(t[0]), place(t[1]), place(t[2])])
+        .collect();
+    let [w, h] = conditions.view.size.map(f64::from);
+    // A pixel more, since samples lie beside the centres.
+    let corners = [(-1.0, -1.0), (w + 1.0, h + 1.0)].map(|(x, y)| {
+        let ray = camera.ray(DVec2::new(x, y), conditions.view.size);
+        place(ray.origin).truncate()
+    });
+    let frame = Window::EMPTY.with(corners[0]).with(corners[1]);
+    heights(&triangles, &[frame])[0].1.max(least)
+}
 
 impl Job<'_> {
     /// What shaders know of a tile.
@@ -36,18 +70,6 @@ impl Job<'_> {
             camera.ray(at, conditions.view.size).origin - camera.eye
         };
         let extent_m = conditions.geometry.extent();
-        let (low, high) = conditions.geometry.bounds();
-        let deepest = (0..8)
-            .map(|i| {
-                let pick = |bit: usize, a: f64, b: f64| if i & bit == 0 { a } else { b };
-                let c = DVec3::new(
-                    pick(1, low.x, high.x),
-                    pick(2, low.y, high.y),
-                    pick(4, low.z, high.z),
-                );
-                (c - camera.eye).dot(forward)
-            })
-            .fold(extent_m * 1e-6, f64::max);
         let ground = conditions.ground.map_or(Vec4::ZERO, |ground| {
             let height = camera.eye.y - ground.height;
             ground.albedo.as_vec3().extend(height as f32)
@@ -74,8 +96,9 @@ impl Job<'_> {
             ),
             ground,
             depth: match camera.projection {
-                Projection::Orthographic { .. } => (0.999 / deepest) as f32,
-                _ => (1e-6 * extent_m).max(f64::from(f32::MIN_POSITIVE)) as f32,
+                Projection::Orthographic { .. } => (0.999 / self.deepest) as f32,
+                // A far end of the scene does not push the near plane away from the eye.
+                _ => (1e-6 * extent_m.min(NEAR_OF)).max(f64::from(f32::MIN_POSITIVE)) as f32,
             },
             origin: origin(DVec2::ZERO).as_vec3(),
             origin_right: (origin(DVec2::X) - origin(DVec2::ZERO)).as_vec3(),
