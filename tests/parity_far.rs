@@ -16,7 +16,7 @@ use tyndall::effect::Field;
 use tyndall::frame::Frame;
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{Camera, Projection, Scene, Triangle};
+use tyndall::scene::{self, Camera, Projection, Scene, SunEntry, Triangle};
 use views::fog;
 
 const DEG: f64 = PI / 180.0;
@@ -456,4 +456,108 @@ fn inner_corners_are_dark() {
             assert_eq!(lit, 0, "the sun in azimuth {}", 45 * azimuth + 3);
         }
     }
+}
+
+/// Twenty thousand houses along streets, each as high as chance has it.
+#[test]
+fn a_city_of_many_houses_has_no_holes() {
+    if !common::gpu("a_city_of_many_houses_has_no_holes") {
+        return;
+    }
+    let chance = |i: i32, j: i32, k: i32| {
+        let x = f64::from(i) * 12.9898 + f64::from(j) * 78.233 + f64::from(k) * 37.719;
+        (x.sin() * 43758.5453).rem_euclid(1.0)
+    };
+    let mut triangles = Vec::new();
+    for i in -70..70 {
+        for j in -70..70 {
+            let (x, z) = (20.0 * f64::from(i), 20.0 * f64::from(j));
+            let half = 5.0 + 3.0 * chance(i, j, 0);
+            let height =
+                5.0 - 12.0 * (1.0 - chance(i, j, 1)).ln() - 12.0 * (1.0 - chance(i, j, 2)).ln();
+            triangles.extend(cuboid(
+                dvec3(x - half, 0.0, z - half),
+                dvec3(x + half, height, z + half),
+            ));
+        }
+    }
+    let mut city = scene(&triangles, 200.0, 20.0);
+    city.ground.enabled = true;
+    city.media = vec![fog(
+        Shape::Haze { top: 120.0 },
+        0.002,
+        0.0,
+        Phase::Isotropic,
+    )];
+    let camera = Camera::look_at(dvec3(10.0, 60.0, 400.0), dvec3(0.0, 20.0, 0.0), 60.0 * DEG);
+    let [found, truth] = pictures(city, camera);
+    for (field, allowed) in ALLOWED {
+        let (rmse, off) = error(&found, &truth, field);
+        eprintln!("{} {rmse:.1e} ({off})", field.name());
+        assert!(
+            rmse <= allowed && off == 0,
+            "{}: {rmse} ({off})",
+            field.name()
+        );
+    }
+}
+
+/// Scenes by others, as they are and where something far away is added.
+#[test]
+fn real_scenes_agree_too() {
+    let test = "real_scenes_agree_too";
+    let Some(folder) = common::data(test) else {
+        return;
+    };
+    if !common::gpu(test) {
+        return;
+    }
+    let mut complaints = Vec::new();
+    for name in [
+        "gazebo/gazebo.obj",
+        "living_room/living_room.glb",
+        "palm_tree/PalmTree.gltf",
+        "room/room.glb",
+        "terrain/Mountains.gltf",
+        "volumetric_fog/VolumetricFogExample.glb",
+    ] {
+        let mut scene = scene::load(&folder.join("scenes").join(name)).expect("the scene is sound");
+        scene.sun = Some(SunEntry {
+            azimuth_deg: 120.0,
+            elevation_deg: 35.0,
+            illuminance: Some(1e5),
+            diameter_deg: Some(0.0),
+        });
+        let camera = match scene.cameras.first() {
+            Some(named) => named.camera,
+            None => {
+                let bounds = scene.mesh.bounds().expect("it has triangles");
+                Camera::around(bounds, f64::from(SIZE[0]) / f64::from(SIZE[1]))
+            }
+        };
+        let scene = hazy(scene);
+        for (with, scene) in [
+            ("alone", scene.clone()),
+            ("far cube", with_far_cube(&scene)),
+            ("on a slab", on_a_slab(&scene)),
+        ] {
+            let start = std::time::Instant::now();
+            let found = errors(scene, camera);
+            let row = ALLOWED
+                .iter()
+                .zip(found)
+                .map(|((field, allowed), (rmse, off))| {
+                    if rmse.is_nan() || rmse > *allowed {
+                        complaints.push(format!("{name}, {with}: {} {rmse:.1e}", field.name()));
+                    }
+                    format!("  {} {rmse:.1e} ({off})", field.name())
+                });
+            let row = row.collect::<String>();
+            eprintln!(
+                "{name:<40} {with:<10}{row}  {:.1} s",
+                start.elapsed().as_secs_f64()
+            );
+        }
+    }
+    assert_eq!(complaints, [""; 0]);
 }
