@@ -10,7 +10,7 @@
 //! [`twilight`]: between 10 and 5 degrees its horizontal illuminance goes (in the logarithm) from the model's own to the
 //! published curve of sun and clear sky less the sun's own share; between 10 and 2 degrees its distribution and colour go
 //! from the model's to the twilight's. Between -12 and -18 degrees the night comes in, and below that it is alone: stars and
-//! airglow, 6.4e-4 lx.
+//! airglow, 6.4e-4 lx. A measured irradiance sets the sky's illuminance at every height of the sun.
 
 mod angles;
 pub mod cie;
@@ -33,7 +33,6 @@ pub use model::{DEFAULT_TURBIDITY, Irradiance, Model};
 pub use sun::{SunAt, SunLight, SunPath};
 pub(crate) use table::constants;
 
-use crate::colour::luminance;
 use crate::error::{Error, Result};
 use crate::units::DEG;
 use crate::warning::Warning;
@@ -51,6 +50,7 @@ pub struct Sky {
     /// Unit vector toward the sun's azimuth in the horizontal plane.
     toward_azimuth: DVec3,
     elevation_true: f64,
+    sun_is_up: bool,
     blend: Blend,
 }
 
@@ -80,6 +80,7 @@ impl Sky {
             toward_sun: sun.toward_sun,
             toward_azimuth: sun.toward_azimuth(),
             elevation_true: sun.elevation_true,
+            sun_is_up: sun.is_up(),
             blend,
         })
     }
@@ -114,12 +115,14 @@ impl Sky {
     /// The sunlight that belongs to this sky: what comes through the clear air of `path`, as far as the model lets it.
     ///
     /// A measured direct-normal irradiance sets its illuminance (by the efficacy of Perez et al. 1990); CIE types 1 to 6
-    /// and 16 hide the sun. With a sun below 5 degrees the measured level gives way to the clear one less the clouds' share.
+    /// and 16 hide the sun. Between 5 and 2 degrees that efficacy gives way to the one of sunlight through the clear air; a
+    /// measured irradiance is the whole disc's, of which the visible part gives its share.
     /// Errors: [`Error::Domain`] when a quantity of `path` is outside its range.
     pub fn sunlight(&self, path: &SunPath) -> Result<SunLight> {
         let clear = SunLight::new(path)?;
-        let full = luminance(clear.full_illuminance);
-        let share = self.blend.beam_share(self.model, self.elevation_true, full);
+        let share = self
+            .blend
+            .beam_share(self.model, self.elevation_true, &clear);
         Ok(clear.dimmed(share))
     }
 
@@ -165,7 +168,10 @@ impl Sky {
             _ if matches!(self.model, Model::Uniform { .. }) => model,
             e if e >= twilight::BEGIN => model,
             e if e > twilight::SHAPE => format!("{model}, turning into twilight"),
-            e if e > twilight::END => format!("twilight (the sun is down; {model} by day)"),
+            e if e > twilight::END => {
+                let sun = if self.sun_is_up { "low" } else { "down" };
+                format!("twilight (the sun is {sun}; {model} by day)")
+            }
             _ => format!("night without moon ({model} by day)"),
         }
     }

@@ -128,8 +128,9 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let formats = output::check_targets(&args.output)?;
     let subject = subject(args)?;
     tell::warnings(subject.sky.warnings());
-    let facts = facts(args, &subject);
+    let mut facts = facts(args, &subject);
     if args.form.json {
+        facts.insert("warnings".into(), json!(subject.sky.warnings()));
         stdout::print_json(&facts)?;
     } else if args.form.csv {
         stdout::print(columns::csv(&[facts]))?;
