@@ -104,7 +104,10 @@ fn a_sky_has_its_measured_irradiance_times_the_efficacy_at_every_height() {
         (3.0, 40.0, 4500.0),
     ] {
         let own = level(perez(0.0, diffuse), elevation);
-        assert!((own / lux - 1.0).abs() < 0.12, "{elevation} {diffuse}: {own}");
+        assert!(
+            (own / lux - 1.0).abs() < 0.12,
+            "{elevation} {diffuse}: {own}"
+        );
     }
     // A clear hour, 400 and 60 W/m2 at 3 degrees: clearness 2.44 is in the fifth bin, brightness above 0.6.
     let own = level(perez(400.0, 60.0), 3.0);
@@ -199,14 +202,21 @@ fn what_is_done_with_a_low_sun_is_said() {
     assert!(!warnings(perez(0.0, 30.0), 10.0).iter().any(low));
     assert!(warnings(perez(0.0, 30.0), -2.0).iter().any(without));
     let said = warnings(perez(80.0, 30.0), -2.0);
-    assert!(said.iter().any(|w| w.message().contains("80 W/m2")), "{said:?}");
+    assert!(
+        said.iter().any(|w| w.message().contains("80 W/m2")),
+        "{said:?}"
+    );
     // Nothing measured: twilight's own level, and nothing to say.
     let plain = Model::Perez {
         turbidity: 3.0,
         irradiance: None,
     };
     for elevation in [5.0, -2.0] {
-        assert!(!warnings(plain, elevation).iter().any(|w| low(w) || without(w)));
+        assert!(
+            !warnings(plain, elevation)
+                .iter()
+                .any(|w| low(w) || without(w))
+        );
     }
     // A reading of 0 at dusk is a rounded one; by day it cannot be.
     let dark = perez(0.0, 0.0);

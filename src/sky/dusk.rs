@@ -184,7 +184,11 @@ fn measured_illuminance(model: Model, sun: SunAt) -> Result<Option<f64>> {
     };
     let dark = measured.diffuse_horizontal == 0.0 && sun.elevation_true <= twilight::SHAPE;
     let checked = Irradiance {
-        diffuse_horizontal: if dark { 1.0 } else { measured.diffuse_horizontal },
+        diffuse_horizontal: if dark {
+            1.0
+        } else {
+            measured.diffuse_horizontal
+        },
         ..measured
     };
     let zenith_angle = (FRAC_PI_2 - sun.elevation_true).clamp(0.0, FRAC_PI_2.next_down());

@@ -79,21 +79,24 @@ impl Hosek {
             (10 + below - 1, albedo * (1.0 - part)),
             (10 + below, albedo * part),
         ];
-        let mix = |data: &[f64], stride: usize, offset: usize| -> f64 {
-            corners
-                .iter()
-                .map(|(set, weight)| {
-                    let first = set * 6 * stride + offset;
-                    let value: f64 = (0..6).map(|k| knots[k] * data[first + k * stride]).sum();
-                    weight * value
-                })
-                .sum()
-        };
+        // Set by set and knot by knot: the nine parameters of each stand side by side.
+        let mut parameters = [[0.0; 9]; 3];
+        let mut radiance = [0.0; 3];
+        for (set, weight) in corners {
+            for (k, knot) in knots.iter().enumerate() {
+                let (row, part) = (6 * set + k, weight * knot);
+                for c in 0..3 {
+                    let values = &DATA.parameters[c][9 * row..9 * row + 9];
+                    for (sum, value) in parameters[c].iter_mut().zip(values) {
+                        *sum += part * value;
+                    }
+                    radiance[c] += part * DATA.radiances[c][row] * UNIT;
+                }
+            }
+        }
         Ok(Hosek {
-            parameters: std::array::from_fn(|c| {
-                std::array::from_fn(|i| mix(&DATA.parameters[c], 9, i))
-            }),
-            radiance: std::array::from_fn(|c| mix(&DATA.radiances[c], 1, 0) * UNIT),
+            parameters,
+            radiance,
         })
     }
 

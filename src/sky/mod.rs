@@ -182,50 +182,75 @@ impl Sky {
     }
 }
 
-/// XYZ [cd/m2] of a model as published, toward a direction: no blending of clearness bins, no twilight, no gamut.
+/// XYZ [cd/m2] of a model as published, toward a direction: [`Published`] for one direction alone.
 ///
-/// `sun_elevation` (above 0, to 90 degrees), `view_azimuth` from the sun's, `view_elevation` (0 to 90 degrees) in radians.
-/// One astronomical unit, sea level, 2 cm of water, air mass by Kasten 1965, cos(zenith angle) at least 0.01.
-///
-/// Errors: [`Error::Domain`] outside the model's range or below the horizon.
+/// # Errors
+/// Those of [`Published::new`] and [`Published::xyz`].
 pub fn published_xyz(
     model: Model,
     sun_elevation: f64,
     view_azimuth: f64,
     view_elevation: f64,
 ) -> Result<DVec3> {
-    let degrees = |e: f64| format!("{} degrees", e / DEG);
-    if !(sun_elevation > 0.0 && sun_elevation <= FRAC_PI_2 + 1e-12) {
-        return Err(Error::domain(
-            "the sun's elevation",
-            degrees(sun_elevation),
-            "above 0, to 90 degrees",
-            "the models as published have no sky without a sun; pictures and maps go on into the night",
-        ));
+    Published::new(model, sun_elevation)?.xyz(view_azimuth, view_elevation)
+}
+
+/// A model as published, for one height of the sun: no blending of clearness bins, no twilight, no gamut.
+///
+/// One astronomical unit, sea level, 2 cm of water, air mass by Kasten 1965, cos(zenith angle) at least 0.01.
+#[derive(Debug, Clone)]
+pub struct Published {
+    day: Day,
+    toward_sun: DVec3,
+}
+
+impl Published {
+    /// Prepares a model for a sun at an elevation [rad] above 0, to 90 degrees.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] outside the model's range.
+    pub fn new(model: Model, sun_elevation: f64) -> Result<Self> {
+        if !(sun_elevation > 0.0 && sun_elevation <= FRAC_PI_2 + 1e-12) {
+            return Err(Error::domain(
+                "the sun's elevation",
+                format!("{} degrees", sun_elevation / DEG),
+                "above 0, to 90 degrees",
+                "the models as published have no sky without a sun; pictures and maps go on into the night",
+            ));
+        }
+        if let Model::Uniform { luminance } = model {
+            Blend::uniform(luminance)?;
+        }
+        let zenith_angle = (FRAC_PI_2 - sun_elevation).max(0.0);
+        let position = Position {
+            zenith_angle,
+            seen_zenith_angle: zenith_angle,
+            distance_au: 1.0,
+            site_elevation: 0.0,
+        };
+        let (sin, cos) = sun_elevation.sin_cos();
+        Ok(Published {
+            day: Day::new(model, position, Bins::Published)?,
+            toward_sun: DVec3::new(cos, sin, 0.0),
+        })
     }
-    if !(-1e-12..=FRAC_PI_2 + 1e-12).contains(&view_elevation) || !view_azimuth.is_finite() {
-        return Err(Error::domain(
-            "the view's elevation",
-            degrees(view_elevation),
-            "0 to 90 degrees",
-            "a sky has no direction below the horizon",
-        ));
+
+    /// XYZ [cd/m2] toward an azimuth from the sun's [rad] and an elevation [rad], 0 to 90 degrees.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] below the horizon.
+    pub fn xyz(&self, view_azimuth: f64, view_elevation: f64) -> Result<DVec3> {
+        if !(-1e-12..=FRAC_PI_2 + 1e-12).contains(&view_elevation) || !view_azimuth.is_finite() {
+            return Err(Error::domain(
+                "the view's elevation",
+                format!("{} degrees", view_elevation / DEG),
+                "0 to 90 degrees",
+                "a sky has no direction below the horizon",
+            ));
+        }
+        let (sin, cos) = view_elevation.sin_cos();
+        let (sin_azimuth, cos_azimuth) = view_azimuth.sin_cos();
+        let view = DVec3::new(cos * cos_azimuth, sin.max(0.0), cos * sin_azimuth);
+        Ok(self.day.xyz(view, self.toward_sun))
     }
-    if let Model::Uniform { luminance } = model {
-        Sky::new(model, SunAt::unrefracted(DVec3::Y))?;
-        return Ok(crate::colour::xyz_from_working(DVec3::splat(luminance)));
-    }
-    let zenith_angle = (FRAC_PI_2 - sun_elevation).max(0.0);
-    let position = Position {
-        zenith_angle,
-        seen_zenith_angle: zenith_angle,
-        distance_au: 1.0,
-        site_elevation: 0.0,
-    };
-    let day = Day::new(model, position, Bins::Published)?;
-    let (sin, cos) = view_elevation.sin_cos();
-    let (sin_azimuth, cos_azimuth) = view_azimuth.sin_cos();
-    let view = DVec3::new(cos * cos_azimuth, sin.max(0.0), cos * sin_azimuth);
-    let (sin, cos) = sun_elevation.sin_cos();
-    Ok(day.xyz(view, DVec3::new(cos, sin, 0.0)))
 }
