@@ -26,7 +26,7 @@ impl Sun {
     pub fn missing(&self) -> Option<&'static str> {
         if self.toward.y <= -self.angular_radius().sin() || self.light.visible_share == 0.0 {
             Some("the sun is below the horizon")
-        } else if !(luminance(self.light.illuminance) > 0.0) {
+        } else if luminance(self.light.illuminance) <= 0.0 {
             Some("the sun is up but gives no light (clouds hide it, or it was given none)")
         } else {
             None

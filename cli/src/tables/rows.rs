@@ -41,10 +41,10 @@ impl Rows {
     /// written, so that the writer is not asked.
     pub fn number(&mut self, value: f64) {
         self.begin_cell();
-        // As `{}` prints it: that is slow, and known to be right for what has an exponent here or is not finite.
-        let mut buffer = zmij::Buffer::new();
-        let text = buffer.format(value);
-        if text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'.' | b'-')) {
+        // As `{}` prints it, which is slow; with an exponent zmij prints what that does not.
+        if value == 0.0 || (1e-4..1e15).contains(&value.abs()) {
+            let mut buffer = zmij::Buffer::new();
+            let text = buffer.format_finite(value);
             let whole = text.strip_suffix(".0").unwrap_or(text);
             return self.bytes.extend_from_slice(whole.as_bytes());
         }
