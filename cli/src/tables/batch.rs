@@ -356,7 +356,7 @@ impl Printer {
 }
 
 impl Sink<Block> for Printer {
-    fn take(&mut self, block: Block) -> Result<bool> {
+    fn take(&mut self, block: Block) -> Result<()> {
         self.rows += block.rows;
         if self.form.json && !block.text.is_empty() {
             if self.started {
@@ -372,7 +372,11 @@ impl Sink<Block> for Printer {
             eprintln!("error: {error}");
             self.broken += 1;
         }
-        Ok(!self.out.closed())
+        Ok(())
+    }
+
+    fn wants_more(&self) -> bool {
+        !self.out.closed()
     }
 
     fn idle(&mut self) -> Result<()> {
@@ -513,29 +517,32 @@ fn cells<'a>(
     place: Place,
 ) -> Result<Cells<'a>> {
     ends.clear();
-    let (text, quoted): (&str, bool) = match line.contains(['"', '\r']) {
-        true => {
-            let problem = "a quote is not closed";
-            let cells = lines.cells(line, ends);
-            let text =
-                cells.ok_or_else(|| Error::input(place, problem, "close it on the same line"))?;
-            (text, true)
-        }
-        false => {
-            let mut start = 0;
-            for (i, byte) in line.bytes().enumerate() {
-                if byte == b',' {
-                    ends.push((start, i));
-                    start = i + 1;
-                }
+    let (mut start, mut quoted) = (0, false);
+    for (i, byte) in line.bytes().enumerate() {
+        match byte {
+            b',' => {
+                ends.push((start, i));
+                start = i + 1;
             }
-            ends.push((start, line.len()));
-            (line, false)
+            b'"' | b'\r' => quoted = true,
+            _ => {}
         }
-    };
+    }
+    ends.push((start, line.len()));
+    let mut text = line;
+    if quoted {
+        ends.clear();
+        let problem = "a quote is not closed";
+        let cells = lines.cells(line, ends);
+        text = cells.ok_or_else(|| Error::input(place, problem, "close it on the same line"))?;
+    }
     let mut plain = !quoted;
     for (start, end) in ends.iter_mut() {
         let cell = &text[*start..*end];
+        let solid = |byte: Option<&u8>| byte.is_none_or(|b| b.is_ascii_graphic());
+        if solid(cell.as_bytes().first()) && solid(cell.as_bytes().last()) {
+            continue;
+        }
         let inner = cell.trim_start();
         let from = *start + (cell.len() - inner.len());
         let to = from + inner.trim_end().len();

@@ -98,9 +98,9 @@ impl Input {
 }
 
 /// Does `work` on `first` and on all further pieces of an input, each worker with its own copy, and gives the results to
-/// `write` in order; `idle` is called before it waits.
+/// `sink` in order, which is told before it waits.
 ///
-/// It ends with the input, or early once `write` says that nothing more is wanted, and then leaves the input alone.
+/// It ends with the input, or early once the sink wants no more, and then leaves the input alone.
 pub fn run<T: Send + 'static>(
     first: Piece,
     mut input: Input,
@@ -145,15 +145,15 @@ pub fn run<T: Send + 'static>(
         }
     })?;
     while let Some(result) = awaited(&results, sink)? {
-        let lost = || {
-            Error::failed(
-                "a thread ended before its work was done",
-                "please report this defect with the command",
-            )
-        };
-        let result = awaited(&result?, sink)?.ok_or_else(lost)?;
-        if !sink.take(result)? {
-            break;
+        match awaited(&result?, sink)? {
+            Some(result) => sink.take(result)?,
+            None if sink.wants_more() => {
+                return Err(Error::failed(
+                    "a thread ended before its work was done",
+                    "please report this defect with the command",
+                ));
+            }
+            None => {}
         }
     }
     Ok(())
@@ -161,20 +161,25 @@ pub fn run<T: Send + 'static>(
 
 /// What takes the results.
 pub trait Sink<T> {
-    /// Takes one; false where no more are wanted.
-    fn take(&mut self, result: T) -> Result<bool>;
+    /// Takes one.
+    fn take(&mut self, result: T) -> Result<()>;
     /// Nothing has come yet: what was taken may go out.
     fn idle(&mut self) -> Result<()>;
+    /// Whether more are wanted.
+    fn wants_more(&self) -> bool;
 }
 
-/// What a channel gives, or `None` when all has come.
+/// What a channel gives, or `None` when all has come or no more is wanted.
 fn awaited<T, U>(channel: &Receiver<U>, sink: &mut impl Sink<T>) -> Result<Option<U>> {
     match channel.try_recv() {
-        Ok(value) => Ok(Some(value)),
+        Ok(value) => Ok(Some(value).filter(|_| sink.wants_more())),
         Err(TryRecvError::Disconnected) => Ok(None),
         Err(TryRecvError::Empty) => {
             sink.idle()?;
-            Ok(channel.recv().ok())
+            Ok(match sink.wants_more() {
+                true => channel.recv().ok(),
+                false => None,
+            })
         }
     }
 }
