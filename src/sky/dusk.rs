@@ -9,8 +9,9 @@
 //! Measured irradiance is worth more than a curve: at every height of the sun the sky's illuminance is the measured diffuse
 //! irradiance times the diffuse luminous efficacy, which below the horizon is the horizon's. Twilight and night then say how
 //! that light is spread, and its colour. The sun's own light is the measured direct irradiance times the direct luminous
-//! efficacy down to 5 degrees, and times that of sunlight through the clear air from 2 degrees down, where the fit of the former
-//! falls to 0; the part of the disc that has set gives nothing.
+//! efficacy down to 5 degrees, and times that of sunlight through clear air from 2 degrees down, where the fit of the former
+//! falls to 0; the part of the disc that has set gives nothing. Clear air of the sky's turbidity may let less through than was
+//! measured: then it is taken as clear as it must have been.
 
 use super::angles::elevation_of;
 use super::day::{self, Day, Position};
@@ -155,7 +156,7 @@ impl Blend {
         let Some(measured) = model.irradiance() else {
             return 1.0 - clouds(model, elevation_true, day).1;
         };
-        let whole = clear.irradiance.unwrap_or_default() / clear.visible_share;
+        let whole = whole_irradiance(clear);
         if !(full > 0.0 && whole > 0.0) {
             return 0.0;
         }
@@ -168,6 +169,44 @@ impl Blend {
             }
             None => low,
         }
+    }
+}
+
+/// The turbidity [1] of the air through which a measured beam comes: the path's from 5 degrees up; from 2 degrees down a lower
+/// one, to 1, if the beam would be weaker than measured.
+///
+/// # Errors
+/// [`Error::Domain`] when a quantity of `path` is outside its range.
+pub(super) fn beam_turbidity(
+    measured: Irradiance,
+    path: &SunPath,
+    elevation_true: f64,
+) -> Result<f64> {
+    let share = smoothstep(twilight::SHAPE, twilight::LEVEL, elevation_true);
+    // The beam falls steadily with turbidity: half of the range at a time is left out.
+    let (mut low, mut high) = (1.0, path.turbidity);
+    let lets_through = |turbidity: f64| -> Result<bool> {
+        let light = SunLight::new(&SunPath { turbidity, ..*path })?;
+        Ok(whole_irradiance(&light) >= measured.direct_normal)
+    };
+    if share == 1.0 || lets_through(high)? {
+        return Ok(high);
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        match lets_through(middle)? {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Ok(low + (path.turbidity - low) * share)
+}
+
+/// Irradiance [W/m2] on a plane facing the sun if the whole disc were up; nothing for one that is wholly down.
+fn whole_irradiance(light: &SunLight) -> f64 {
+    match light.visible_share > 0.0 {
+        true => light.irradiance.unwrap_or_default() / light.visible_share,
+        false => 0.0,
     }
 }
 

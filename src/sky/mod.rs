@@ -115,11 +115,16 @@ impl Sky {
     /// The sunlight that belongs to this sky: what comes through the clear air of `path`, as far as the model lets it.
     ///
     /// A measured direct-normal irradiance sets its illuminance (by the efficacy of Perez et al. 1990); CIE types 1 to 6
-    /// and 16 hide the sun. Between 5 and 2 degrees that efficacy gives way to the one of sunlight through the clear air; a
-    /// measured irradiance is the whole disc's, of which the visible part gives its share.
+    /// and 16 hide the sun. Between 5 and 2 degrees that efficacy gives way to the one of sunlight through clear air, of the path's
+    /// turbidity or of a lower one that lets the measured irradiance through; this is the whole disc's, of which the visible part
+    /// gives its share.
     /// Errors: [`Error::Domain`] when a quantity of `path` is outside its range.
     pub fn sunlight(&self, path: &SunPath) -> Result<SunLight> {
-        let clear = SunLight::new(path)?;
+        let turbidity = match self.model.irradiance() {
+            Some(measured) => dusk::beam_turbidity(measured, path, self.elevation_true)?,
+            None => path.turbidity,
+        };
+        let clear = SunLight::new(&SunPath { turbidity, ..*path })?;
         let share = self
             .blend
             .beam_share(self.model, self.elevation_true, &clear);
