@@ -36,16 +36,18 @@ pub fn check(what: &str, bytes: u64) -> Result<()> {
 }
 
 /// What the system would still give to this program [bytes], where it says so (on Linux): within the limit on its address space
-/// (`ulimit -v`) and within the memory and swap space that are free.
+/// and within the memory and swap space that are free.
 pub fn available() -> Option<u64> {
-    let limit = fs::read_to_string("/proc/self/limits").ok();
-    let used = fs::read_to_string("/proc/self/statm").ok();
     let system = fs::read_to_string("/proc/meminfo").ok();
-    let within_limit = limit
-        .zip(used)
-        .and_then(|(limit, used)| Some(address_space(&limit)?.saturating_sub(pages(&used)?)));
     let free = system.and_then(|text| free(&text));
-    within_limit.into_iter().chain(free).min()
+    within_limit().into_iter().chain(free).min()
+}
+
+/// What the limit on the address space (`ulimit -v`) leaves to this program [bytes], if there is one.
+pub fn within_limit() -> Option<u64> {
+    let limit = address_space(&fs::read_to_string("/proc/self/limits").ok()?)?;
+    let used = pages(&fs::read_to_string("/proc/self/statm").ok()?)?;
+    Some(limit.saturating_sub(used))
 }
 
 /// The limit on the address space [bytes] that `/proc/self/limits` tells, if there is one.

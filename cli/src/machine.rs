@@ -10,7 +10,7 @@ use tyndall::{Result, memory};
 /// Without this much there is no use in starting [bytes]: threads, their stacks, the tables of zones and skies.
 const LEAST: u64 = 48 << 20;
 
-/// A driver maps libraries and compiles shaders: less than this and it ends the program [bytes].
+/// A driver maps libraries and compiles shaders: with less address space than this it may end the program [bytes].
 const LEAST_FOR_A_DRIVER: u64 = 1 << 30;
 
 /// Memory to begin with, and threads: fewer where the system has no more, the one at hand where it has none.
@@ -70,10 +70,12 @@ fn tell(info: &PanicHookInfo) {
 
 /// Opens what computes. What drivers complain about is only passed on where that fails.
 pub fn open(wanted: Wanted) -> Result<Backend> {
-    let driver = || memory::check("a graphics driver", LEAST_FOR_A_DRIVER);
+    let cramped = memory::within_limit().is_some_and(|left| left < LEAST_FOR_A_DRIVER);
     match wanted {
-        Wanted::Gpu => driver()?,
-        Wanted::Auto if driver().is_err() => {
+        Wanted::Gpu if cramped => {
+            return Err(memory::not_enough("a graphics driver", LEAST_FOR_A_DRIVER));
+        }
+        Wanted::Auto if cramped => {
             eprintln!("note: too little memory for a graphics driver; the reference renders");
             return Backend::open(Wanted::Reference);
         }
