@@ -59,7 +59,7 @@ fn rays() -> Vec<(DVec3, DVec3)> {
         rays.push((origin, (target - origin).normalize()));
     }
     // Along the row, with the sun's rays, across faces, and through edges.
-    rays.push((DVec3::new(-10.0, 5.0, 0.0), DVec3::X));
+    rays.push((DVec3::new(-10.0, 5.03, 0.01), DVec3::X));
     rays.push((
         DVec3::new(10.0, 1.0, 0.0),
         DVec3::new(0.6, 0.7, 0.2).normalize(),
