@@ -66,7 +66,7 @@ impl Error {
     ) -> Self {
         Error::Domain {
             quantity: quantity.into(),
-            value: value.to_string(),
+            value: with_short_numbers(value.to_string()),
             valid: valid.into(),
             remedy: remedy.into(),
         }
@@ -80,7 +80,7 @@ impl Error {
     ) -> Self {
         Error::Input {
             place: place.into(),
-            problem: problem.into(),
+            problem: with_short_numbers(problem.into()),
             remedy: remedy.into(),
         }
     }
@@ -88,7 +88,7 @@ impl Error {
     /// An [`Error::Failed`].
     pub fn failed(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Error::Failed {
-            problem: problem.into(),
+            problem: with_short_numbers(problem.into()),
             remedy: remedy.into(),
         }
     }
@@ -152,6 +152,31 @@ impl Error {
     }
 }
 
+/// More digits than these are no help to anyone.
+const DIGITS: usize = 24;
+
+/// A text in which numbers of very many digits are written with an exponent: 1e300 has 301 as it is printed.
+fn with_short_numbers(text: String) -> String {
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let mut short = String::new();
+    let mut rest = text.as_str();
+    while let Some(start) = rest.find(is_part) {
+        let (before, number) = rest.split_at(start);
+        let end = number.find(|c| !is_part(c)).unwrap_or(number.len());
+        let (number, after) = number.split_at(end);
+        short.push_str(before);
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > DIGITS && value.is_finite() => {
+                short.push_str(&format!("{value:e}"));
+            }
+            _ if number.len() > DIGITS => short.push_str(&format!("{}...", &number[..DIGITS])),
+            _ => short.push_str(number),
+        }
+        rest = after;
+    }
+    short + rest
+}
+
 /// The candidate that a misspelt word most likely stands for, if any is near.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
@@ -160,4 +185,34 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(score, _)| *score > 0.7)
         .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_message_has_a_number_of_three_hundred_digits() {
+        for (value, words) in [
+            (1e300, "is 1e300 m, outside"),
+            (-2.5e-200, "is -2.5e-200 m, outside"),
+            (f64::MAX, "is 1.7976931348623157e308 m, outside"),
+            (0.1, "is 0.1 m, outside"),
+            (123_456_789.125, "is 123456789.125 m, outside"),
+        ] {
+            let error = Error::domain("it", format!("{value} m"), "what is sane", "mend it");
+            assert!(error.problem().contains(words), "{error}");
+        }
+        let beside = Error::input(
+            "x.csv:7",
+            format!("`a{}b` is no number", "9".repeat(400)),
+            "",
+        );
+        assert_eq!(
+            beside.problem(),
+            format!("x.csv:7: `a{}...b` is no number", "9".repeat(24))
+        );
+        let plain = "v1.2.3 at 12:30:05.25, 3 of 4...";
+        assert_eq!(Error::failed(plain, "").problem(), plain);
+    }
 }

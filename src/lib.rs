@@ -36,6 +36,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`units`], [`error`] | the unit rule; one error: what was wrong, where, the valid range, what to do |
+//! | [`memory`] | lists that may be large: made, or an error where memory does not suffice |
 //! | [`warning`] | what was left out, is doubtful or approximate, and what to do |
 //! | [`beam`] | light from a direction or a place, which shadows and scattering go by |
 //! | [`colour`] | spectra, CIE 1931, RGB spaces, exposure, display transform |
@@ -72,6 +73,7 @@ pub mod ephemeris;
 pub mod error;
 pub mod frame;
 pub mod medium;
+pub mod memory;
 pub mod output;
 pub mod plan;
 pub mod scene;

@@ -77,6 +77,32 @@ pub enum Warning {
         /// Sky brightness that is taken [1].
         brightness: f64,
     },
+    /// Irradiance measured under a low sun: it sets the level of a sky whose distribution the model does not give any more.
+    IrradianceOfLowSun {
+        /// The sun's true elevation [degrees].
+        elevation_deg: f64,
+    },
+    /// Irradiance measured while the sun is down.
+    IrradianceWithoutSun {
+        /// The sun's true elevation [degrees].
+        elevation_deg: f64,
+        /// The direct irradiance that is left out [W/m2].
+        direct_normal: f64,
+        /// Horizontal illuminance that the diffuse irradiance gives to the sky [lx].
+        illuminance: f64,
+        /// What a clear sky has at this height of the sun [lx].
+        clear: f64,
+    },
+    /// A measured diffuse irradiance of 0 while the sun is low or down: less than an instrument tells apart.
+    NoDiffuseIrradiance {
+        /// The sun's true elevation [degrees].
+        elevation_deg: f64,
+    },
+    /// Quantities of the sky that nothing uses, because the scene has a sun of given illuminance and no sky.
+    UnusedSky {
+        /// Their keys.
+        keys: Vec<&'static str>,
+    },
     /// A clearness and brightness at which the Perez model's gradation or luminance has the wrong sign.
     PerezFitBreaks,
 }
@@ -123,6 +149,16 @@ impl Warning {
             Warning::OutsidePerezData { .. } => Some(
                 "check both irradiances: W/m2, the direct one on a plane that faces the sun, the diffuse one on the horizontal",
             ),
+            Warning::IrradianceOfLowSun { .. } => None,
+            Warning::IrradianceWithoutSun { .. } => Some(
+                "check place and time, or leave both irradiances out for the twilight's own level",
+            ),
+            Warning::NoDiffuseIrradiance { .. } => {
+                Some("give what was measured, or leave both irradiances out")
+            }
+            Warning::UnusedSky { .. } => {
+                Some("name a sky (--sky perez, or model in [sky]), or leave them out")
+            }
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
             Warning::IgnoredMaterialProperties { .. } | Warning::DegenerateTriangles { .. } => None,
         }
@@ -194,6 +230,37 @@ impl fmt::Display for Warning {
             } => write!(
                 f,
                 "these irradiances are outside the Perez model's data: held at clearness {clearness:.3}, brightness {brightness:.3}"
+            ),
+            Warning::IrradianceOfLowSun { elevation_deg } => write!(
+                f,
+                "measured irradiance under a sun {elevation_deg:.1} degrees high: it sets the sky's illuminance; distribution and colour go over to a computed clear twilight between 10 and 2 degrees"
+            ),
+            Warning::IrradianceWithoutSun {
+                elevation_deg,
+                direct_normal,
+                illuminance,
+                clear,
+            } => {
+                write!(
+                    f,
+                    "measured irradiance with the sun down ({elevation_deg:.1} degrees): the diffuse one sets the sky's illuminance, {illuminance:.3e} lx where a clear sky has {clear:.3e} lx"
+                )?;
+                match *direct_normal > 0.0 {
+                    true => write!(
+                        f,
+                        "; the direct one, {direct_normal} W/m2, is left out"
+                    ),
+                    false => Ok(()),
+                }
+            }
+            Warning::NoDiffuseIrradiance { elevation_deg } => write!(
+                f,
+                "a measured diffuse irradiance of 0 with the sun at {elevation_deg:.1} degrees is less than an instrument tells apart: the sky has the level of twilight"
+            ),
+            Warning::UnusedSky { keys } => write!(
+                f,
+                "the sun's illuminance is given and no sky is named, so there is none; not used: {}",
+                keys.join(", ")
             ),
             Warning::PerezFitBreaks => f.write_str(
                 "the Perez fit breaks at this clearness and brightness (b > 0 or negative luminance): b is held at 0, luminance at 0 and above",

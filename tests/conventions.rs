@@ -11,9 +11,10 @@ use tyndall::effect::{self, Over};
 use wgpu::naga;
 
 /// The modules of the library: each uses only those before it. The documentation of the crate lists them in the same order.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "units",
     "error",
+    "memory",
     "warning",
     "beam",
     "colour",

@@ -93,7 +93,7 @@ fn apart(found: &Frame, truth: &Frame) -> f64 {
 fn layers_apart(found: &Frame, truth: &Frame) -> Vec<(&'static str, f64)> {
     let alone = |frame: &Frame, layer: usize| Frame {
         layers: vec![frame.layers[layer].clone()],
-        ..Frame::new(frame.width, frame.height)
+        ..Frame::new(frame.width, frame.height).expect("room for it")
     };
     assert_eq!(found.layers.len(), truth.layers.len());
     let apart = |i| apart(&alone(found, i), &alone(truth, i));

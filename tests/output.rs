@@ -31,7 +31,7 @@ fn rec709() -> OutputSpace {
 
 /// Values of every size, from a shadow's to the sun's disc, in five of the seven layers.
 fn frame(width: u32, height: u32) -> Frame {
-    let mut frame = Frame::new(width, height);
+    let mut frame = Frame::new(width, height).expect("room for it");
     let pixels = frame.pixels();
     for (k, name) in Field::layers().map(Field::name).enumerate() {
         if ["lights", "inscatter_lights"].contains(&name) {

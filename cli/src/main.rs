@@ -1,7 +1,18 @@
 //! The command line of tyndall.
 
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 mod arguments;
 mod commands;
+mod machine;
 mod plots;
 mod tables;
 mod tell;
@@ -51,7 +62,12 @@ fn check_values(arguments: &[String]) {
 fn main() -> ExitCode {
     let arguments = std::env::args_os().map(|a| a.to_string_lossy().into_owned());
     check_values(&arguments.collect::<Vec<_>>());
-    let result = match Cli::parse().command {
+    let command = Cli::parse().command;
+    machine::run(move || run(command))
+}
+
+fn run(command: Command) -> ExitCode {
+    let result = machine::prepare().and_then(|()| match command {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Sun(args) => sun::run(&args),
@@ -61,7 +77,7 @@ fn main() -> ExitCode {
         Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::man(&args, Cli::command()),
-    };
+    });
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

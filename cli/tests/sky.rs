@@ -206,3 +206,43 @@ fn the_gpu_paints_the_same_map() {
         assert!((found / truth - 1.0).abs() < 2e-4, "{found} {truth}");
     }
 }
+
+#[test]
+fn measured_irradiance_counts_under_a_low_sun_and_that_is_said() {
+    let lux = |elevation: &str, diffuse: &str| {
+        let sun = format!("180,{elevation}");
+        let flags = [
+            "--sun",
+            &sun,
+            "--direct-normal",
+            "0",
+            "--diffuse-horizontal",
+            diffuse,
+            "--json",
+        ];
+        let json: serde_json::Value = serde_json::from_str(&stdout(&sky(&flags, ""))).unwrap();
+        let said = json["warnings"][0].as_str().unwrap_or("").to_owned();
+        (
+            json["sky_horizontal_illuminance_lx"].as_f64().unwrap(),
+            said,
+        )
+    };
+    for (elevation, diffuse, expected) in [
+        ("5", "10", 1200.0),
+        ("5", "30", 3600.0),
+        ("5", "60", 7000.0),
+        ("0.5", "5", 550.0),
+        ("-1", "2", 220.0),
+    ] {
+        let (found, said) = lux(elevation, diffuse);
+        assert!(
+            (found / expected - 1.0_f64).abs() < 0.15,
+            "{elevation} {diffuse}: {found}"
+        );
+        assert!(said.contains("measured irradiance"), "{said}");
+    }
+    assert!(!lux("30", "200").1.contains("twilight"));
+    let one = sky(&["--sun", "180,5", "--diffuse-horizontal", "10"], "");
+    assert_eq!(one.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&one.stderr).contains("--direct-normal"));
+}

@@ -333,7 +333,7 @@ fn a_batch_prints_its_rows_with_their_positions() {
         csv.lines().next(),
         Some(
             "time,latitude,longitude,elevation,pressure,temperature,delta_t,azimuth,elevation_true,elevation_apparent,\
-             declination,right_ascension,equation_of_time,distance_au"
+             declination,right_ascension,equation_of_time,distance_au,hour_angle,angular_radius,air_mass,irradiance_factor"
         )
     );
     assert!((cell(&csv, 0, "azimuth") - 194.340_24).abs() < 5e-6);

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::frame::{Field, Frame, Layer, Part};
+use crate::memory;
 use glam::{UVec2, Vec3};
 
 /// Whether a picture of a size, which holds so many bytes, is within a limit.
@@ -41,26 +42,28 @@ impl Film {
     /// A black picture with room for the fields that a plan writes.
     ///
     /// # Errors
-    /// [`Error::Input`] when it would hold more than `limit` bytes.
+    /// [`Error::Input`] when it would hold more than `limit` bytes, [`Error::Failed`] when the system has not as much.
     pub fn new([width, height]: [u32; 2], written: &[Field], limit: u64) -> Result<Self> {
         fits(
             [width, height],
             Self::bytes([width, height], written),
             limit,
         )?;
-        let mut frame = Frame::new(width, height);
+        let what = "the picture";
+        memory::check(what, Self::bytes([width, height], written))?;
+        let mut frame = Frame::new(width, height)?;
         let mut slots = [None; Field::COUNT];
         let pixels = frame.pixels();
         for field in Field::layers().filter(|field| written.contains(field)) {
             slots[field as usize] = Some(frame.layers.len());
             frame.layers.push(Layer {
                 name: field.name(),
-                rgb: vec![Vec3::ZERO; pixels],
+                rgb: memory::filled(what, pixels, Vec3::ZERO)?,
             });
         }
         let shared = written.iter().any(|field| field.part() == Part::Share);
         if shared {
-            frame.transmittance = vec![Vec3::ZERO; pixels];
+            frame.transmittance.fill(Vec3::ZERO);
         }
         Ok(Film {
             frame,

@@ -268,7 +268,7 @@ fn put(film: &mut Film, pixel: UVec2, values: &Values, rerun: Rerun) {
     }
 }
 
-/// Wall time that each effect of the whole picture will take, one ray a pixel, judged by 2048 pixels.
+/// Wall time that each effect of the whole picture will take, one ray a pixel, judged by 2048 pixels, or by as many as take about a second.
 ///
 /// Of an effect that keeps results, later pixels cost less: its time is taken to level off exponentially, as that of 2048
 /// pixels against that of the first 512 has it. A prediction, not a bound.
@@ -276,9 +276,16 @@ pub fn predict(reference: &Reference) -> Vec<StepTime> {
     let [w, h] = reference.plan.conditions.view.size;
     let all = f64::from(w) * f64::from(h);
     let pixels = spread([w, h], 2048);
-    let (few, rest) = pixels.split_at(pixels.len() / 4);
     let start = Instant::now();
-    reference.pixels(few);
+    // Where each ray takes long, fewer have to do.
+    let (probe, _) = pixels.split_at(pixels.len().min(32));
+    reference.pixels(probe);
+    let seconds_a_ray = start.elapsed().as_secs_f64() / probe.len() as f64;
+    let quarter = ((1.0 / seconds_a_ray) as usize / 4).max(probe.len());
+    let few = quarter.min(pixels.len().div_ceil(4)).max(probe.len());
+    let pixels = &pixels[..pixels.len().min(4 * few)];
+    let (few, rest) = pixels.split_at(few);
+    reference.pixels(&few[probe.len()..]);
     let first = reference.times();
     reference.pixels(rest);
     let second = reference.times();

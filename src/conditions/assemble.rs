@@ -211,8 +211,9 @@ fn warnings(scene: &Scene, moment: &AtMoment) -> Vec<Warning> {
     if let Some(instant) = &moment.instant {
         warnings.extend(instant.moment.warnings.iter().cloned());
     }
-    if let Some(sky) = &moment.sky {
-        warnings.extend(sky.warnings().iter().cloned());
+    match &moment.sky {
+        Some(sky) => warnings.extend(sky.warnings().iter().cloned()),
+        None => warnings.extend(unused_sky(scene)),
     }
     if !scene.lights.is_empty() {
         warnings.push(unused_lights(scene));
@@ -397,6 +398,20 @@ fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
         irradiance,
         albedo,
     )
+}
+
+/// The keys of a sky that there is not. Clear air between eye and mountains takes the turbidity.
+fn unused_sky(scene: &Scene) -> Option<Warning> {
+    let entry = &scene.sky;
+    let keys: Vec<&str> = [
+        ("turbidity", entry.turbidity.filter(|_| scene.air.is_none())),
+        ("direct_normal", entry.direct_normal),
+        ("diffuse_horizontal", entry.diffuse_horizontal),
+    ]
+    .into_iter()
+    .filter_map(|(key, value)| value.map(|_| key))
+    .collect();
+    (!keys.is_empty()).then_some(Warning::UnusedSky { keys })
 }
 
 fn unused_lights(scene: &Scene) -> Warning {

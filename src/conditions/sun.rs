@@ -19,7 +19,18 @@ pub struct Sun {
 impl Sun {
     /// Whether any part of it is above the horizon and gives light.
     pub fn shines(&self) -> bool {
-        luminance(self.light.illuminance) > 0.0 && self.toward.y > -self.angular_radius().sin()
+        self.missing().is_none()
+    }
+
+    /// Why it gives no light, if it gives none.
+    pub fn missing(&self) -> Option<&'static str> {
+        if self.toward.y <= -self.angular_radius().sin() || self.light.visible_share == 0.0 {
+            Some("the sun is below the horizon")
+        } else if luminance(self.light.illuminance) <= 0.0 {
+            Some("the sun is up but gives no light (clouds hide it, or it was given none)")
+        } else {
+            None
+        }
     }
 
     /// Illuminance on a plane that faces it [lx].

@@ -49,8 +49,8 @@ pub const AIR_SHADOW: Effect = Effect {
         let Some(sky) = &conditions.sky else {
             return Decision::nothing("there is no sky from which anything could be missing");
         };
-        if !conditions.sun.shines() {
-            return Decision::nothing("the sun is below the horizon");
+        if let Some(reason) = conditions.sun.missing() {
+            return Decision::nothing(reason);
         }
         Decision::run(
             "the scene stands in the clear air and shadows some of it",

@@ -56,8 +56,8 @@ pub const SHADOW: Effect = Effect {
         },
     ],
     decide: |conditions| {
-        if !conditions.sun.shines() {
-            return Decision::nothing("the sun is below the horizon");
+        if let Some(reason) = conditions.sun.missing() {
+            return Decision::nothing(reason);
         }
         Decision::run("sunlight meets surfaces", Contribution::Everything)
     },

@@ -28,8 +28,8 @@ pub fn decide(conditions: &Conditions) -> Decision {
     if conditions.air.media.is_empty() {
         return Decision::nothing("the scene has no medium: nothing scatters light");
     }
-    if !conditions.sun.shines() {
-        return Decision::nothing("the sun is below the horizon");
+    if let Some(reason) = conditions.sun.missing() {
+        return Decision::nothing(reason);
     }
     let media = &conditions.air.media;
     if media.iter().all(|m| m.scattering.max_element() == 0.0) {

@@ -19,8 +19,8 @@ pub const SUN_DISC: Effect = Effect {
     writes: &[Field::Background],
     decide: |conditions| {
         let sun = &conditions.sun;
-        if !sun.shines() {
-            return Decision::nothing("the sun is below the horizon");
+        if let Some(reason) = sun.missing() {
+            return Decision::nothing(reason);
         }
         if sun.angular_radius() == 0.0 {
             return Decision::nothing("a point sun has no disc");

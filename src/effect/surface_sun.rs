@@ -25,8 +25,8 @@ pub const SURFACE_SUN: Effect = Effect {
         range: [1.0, 4096.0],
     }],
     decide: |conditions| {
-        if !conditions.sun.shines() {
-            return Decision::nothing("the sun is below the horizon");
+        if let Some(reason) = conditions.sun.missing() {
+            return Decision::nothing(reason);
         }
         Decision::run(
             format!("the sun gives {:.0} lx", conditions.sun.illuminance_lux()),

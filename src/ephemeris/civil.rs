@@ -17,7 +17,7 @@ use tzf_rs::EmbeddedFinder;
 use super::site::Site;
 use super::time::{Instant, TimeScale};
 use super::written::{
-    bad_remedy, bad_time, check_leap_second, julian_date, julian_digits, parse, parse_offset,
+    bad_remedy, bad_time, check_leap_second, julian_date, julian_digits, parse, parse_offset, plain,
 };
 use crate::error::{Error, Result};
 use crate::warning::Warning;
@@ -420,6 +420,11 @@ pub fn resolve_with(text: &str, reading: &Reading) -> Result<Moment> {
 /// # Errors
 /// As [`resolve`]; but a known instant never fails for its zone.
 pub fn instant_with(text: &str, reading: &Reading) -> Result<Instant> {
+    if reading.zone.is_none()
+        && let Some(utc) = plain(text)
+    {
+        return instant_of(utc, reading);
+    }
     match julian_digits(text.trim()) {
         Some(digits) => {
             Instant::from_julian(julian_date(text, digits)?, reading.scale, reading.delta_t)

@@ -46,18 +46,34 @@ pub(super) fn nutation(t: f64) -> (f64, f64) {
         cubic([93.271_91, 483_202.017_538, -0.003_682_5, 1.0 / 327_270.0]),
         cubic([125.044_52, -1_934.136_261, 0.002_070_8, 1.0 / 450_000.0]),
     ];
+    // Each angle is a sum of small multiples of five: their cosines and sines are products of those of the multiples.
+    const MOST: usize = 4;
+    let mut multiples = [[(1.0, 0.0); 2 * MOST + 1]; 5];
+    for (turns, (sin, cos)) in multiples.iter_mut().zip(sin_cos(arguments)) {
+        for n in 1..=MOST {
+            let (c, s) = product(turns[MOST + n - 1], (cos, sin));
+            turns[MOST + n] = (c, s);
+            turns[MOST - n] = (c, -s);
+        }
+    }
     let (mut d_psi, mut d_eps) = (0.0, 0.0);
-    for (multiples, [a, b, c, d]) in &NUTATION {
-        let angle: f64 = multiples
-            .iter()
-            .zip(arguments)
-            .map(|(&n, x)| f64::from(n) * x)
-            .sum();
-        let [(sin, cos)] = sin_cos([angle]);
+    for (numbers, [a, b, c, d]) in &NUTATION {
+        let mut angle = (1.0, 0.0);
+        for (&n, turns) in numbers.iter().zip(&multiples) {
+            if n != 0 {
+                angle = product(angle, turns[(MOST as i8 + n) as usize]);
+            }
+        }
+        let (cos, sin) = angle;
         d_psi += (a + b * t) * sin;
         d_eps += (c + d * t) * cos;
     }
     (d_psi * 1e-4 * ARCSEC, d_eps * 1e-4 * ARCSEC)
+}
+
+/// Cosine and sine of the sum of two angles, from theirs.
+fn product((c, s): (f64, f64), (d, t): (f64, f64)) -> (f64, f64) {
+    (c * d - s * t, c * t + s * d)
 }
 
 /// The mean obliquity of the ecliptic [rad] (equation 24, Laskar 1986).

@@ -5,27 +5,46 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 /// The cosine, without a branch or a call, so that a loop over terms runs in vector registers.
 ///
 /// Within 1e-12 of the standard library's for phases below 6e6, which is what series of 1e-9 radians need.
-#[inline]
+#[inline(always)]
 pub(super) fn cosine(x: f64) -> f64 {
+    let [cosine] = cosines([x]);
+    cosine
+}
+
+/// The same of several phases side by side, where no loop is long enough to be made so by the compiler.
+#[inline(always)]
+pub(super) fn cosines<const N: usize>(x: [f64; N]) -> [f64; N] {
     // pi in two parts of 32 bits: their products with a whole number below 2^21 are exact, and the rest is 4e-21.
     const PI_HIGH: f64 = f64::from_bits(0x4009_21fb_5440_0000);
     const PI_LOW: f64 = f64::from_bits(0x3de0_b461_1a60_0000);
     // 1.5 * 2^52: a number added to it is rounded to a whole one, which is then in the lowest bits.
     const ROUND: f64 = 6_755_399_441_055_744.0;
-    let shifted = x * FRAC_1_PI + ROUND;
-    let k = shifted - ROUND;
-    let r = (x - k * PI_HIGH) - k * PI_LOW;
-    // Taylor's series to r^16, good to 6e-13 at pi/2; minus for odd k.
-    let q = r * r;
-    let series = 1.0
-        + q * (-1.0 / 2.0
-            + q * (1.0 / 24.0
-                + q * (-1.0 / 720.0
-                    + q * (1.0 / 40_320.0
-                        + q * (-1.0 / 3_628_800.0
-                            + q * (1.0 / 479_001_600.0
-                                + q * (-1.0 / 87_178_291_200.0 + q / 20_922_789_888_000.0)))))));
-    f64::from_bits(series.to_bits() ^ (shifted.to_bits() << 63))
+    // Taylor's series to r^16, good to 6e-13 at pi/2.
+    const TAYLOR: [f64; 8] = [
+        -1.0 / 87_178_291_200.0,
+        1.0 / 479_001_600.0,
+        -1.0 / 3_628_800.0,
+        1.0 / 40_320.0,
+        -1.0 / 720.0,
+        1.0 / 24.0,
+        -1.0 / 2.0,
+        1.0,
+    ];
+    let (mut shifted, mut squares) = ([0.0; N], [0.0; N]);
+    for i in 0..N {
+        shifted[i] = x[i] * FRAC_1_PI + ROUND;
+        let k = shifted[i] - ROUND;
+        let r = (x[i] - k * PI_HIGH) - k * PI_LOW;
+        squares[i] = r * r;
+    }
+    let mut series = [1.0 / 20_922_789_888_000.0; N];
+    for term in TAYLOR {
+        for i in 0..N {
+            series[i] = series[i] * squares[i] + term;
+        }
+    }
+    // Minus for odd k.
+    std::array::from_fn(|i| f64::from_bits(series[i].to_bits() ^ (shifted[i].to_bits() << 63)))
 }
 
 /// Sines and cosines by [`cosine`], of several angles at once: the sine is the cosine a quarter turn back.

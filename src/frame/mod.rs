@@ -9,6 +9,7 @@ mod field;
 pub use field::{Field, Part};
 
 use crate::error::{Error, Result};
+use crate::memory;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -51,17 +52,21 @@ pub struct Layer {
 
 impl Frame {
     /// A frame that sees nothing: no layers, no hits, clear air.
-    pub fn new(width: u32, height: u32) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when there is not enough memory.
+    pub fn new(width: u32, height: u32) -> Result<Self> {
         let pixels = width as usize * height as usize;
-        Frame {
+        let what = "the picture";
+        Ok(Frame {
             width,
             height,
             layers: Vec::new(),
-            depth: vec![NO_HIT; pixels],
-            normal: vec![Vec3::ZERO; pixels],
-            transmittance: vec![Vec3::ONE; pixels],
+            depth: memory::filled(what, pixels, NO_HIT)?,
+            normal: memory::filled(what, pixels, Vec3::ZERO)?,
+            transmittance: memory::filled(what, pixels, Vec3::ONE)?,
             record: Record::default(),
-        }
+        })
     }
 
     /// A map of colours alone, whose background is given, row by row: nothing was met, and nothing is told of it.
@@ -276,7 +281,7 @@ mod tests {
 
     #[test]
     fn a_layer_left_out_is_black() {
-        let mut frame = Frame::new(2, 1);
+        let mut frame = Frame::new(2, 1).expect("room for it");
         assert_eq!(frame.picture(1), DVec3::ZERO);
         for (name, rgb) in [("sun", Vec3::splat(1.6e9)), ("sky", Vec3::splat(3.0))] {
             let rgb = vec![rgb; 2];
@@ -289,7 +294,7 @@ mod tests {
     #[test]
     fn what_cannot_be_written_is_named() {
         let good = || {
-            let mut frame = Frame::new(3, 2);
+            let mut frame = Frame::new(3, 2).expect("room for it");
             let rgb = vec![Vec3::ONE; 6];
             frame.layers.push(Layer { name: "sky", rgb });
             frame

@@ -29,6 +29,20 @@ impl Region {
         (enter, leave)
     }
 
+    /// Whether a point is inside.
+    pub fn holds(&self, point: DVec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    /// Whether it may meet the plane through a point across a direction of any length, 0 included.
+    pub fn meets(&self, point: DVec3, across: DVec3) -> bool {
+        let (middle, half) = (0.5 * (self.min + self.max), 0.5 * (self.max - self.min));
+        // A hair is left for rounding. Endless regions give no number, and meet everything.
+        let apart = (middle - point).dot(across).abs();
+        let reach = half.dot(across.abs()) + 1e-9 * (middle - point).abs().dot(across.abs());
+        apart.is_nan() || reach.is_nan() || apart <= reach
+    }
+
     /// Length of the half-line from a point toward the sun inside.
     pub fn depth(&self, point: DVec3, toward_sun: DVec3) -> f64 {
         let (enter, leave) = self.chord(point, toward_sun);

@@ -52,21 +52,49 @@ impl Scattering {
         };
         let one_minus_mu = 0.5 * (direction - toward_sun).length_squared();
         let distance = distance.min(FARTHEST);
+        // What does not meet the plane of ray and sun is neither on the ray nor between it and the sun.
+        let across = direction.cross(toward_sun);
         let mut borders = vec![0.0, distance];
         let mut heights = Vec::new();
         let mut regions = Vec::new();
+        let mut stretches = Vec::new();
+        let mut own = Vec::new();
         for medium in &air.media {
             let source = medium.scattering * medium.phase.value(one_minus_mu);
-            if let Some(region) = air.region(medium) {
-                region.bends(origin, direction, toward_sun, &mut borders);
-                regions.push((region, medium.extinction(), source));
+            let region = air.region(medium);
+            if let Some(region) = region.filter(|region| region.meets(origin, across)) {
+                own.clear();
+                own.extend([0.0, distance]);
+                region.bends(origin, direction, toward_sun, &mut own);
+                own.retain(|t| (0.0..=distance).contains(t));
+                own.sort_unstable_by(f64::total_cmp);
+                // Between its own bends a region's depth is linear: it is nothing throughout, or it counts.
+                let matters = |from: f64, to: f64| {
+                    let at = |share: f64| origin + (from + share * (to - from)) * direction;
+                    region.holds(at(0.5))
+                        || [0.25, 0.75]
+                            .map(at)
+                            .iter()
+                            .any(|p| region.depth(*p, toward_sun) > 0.0)
+                };
+                let before = stretches.len();
+                for pair in own.windows(2).filter(|pair| matters(pair[0], pair[1])) {
+                    stretches.push((pair[0], pair[1], regions.len()));
+                }
+                if stretches.len() > before {
+                    borders.extend_from_slice(&own);
+                    regions.push((region, medium.extinction(), source));
+                }
             }
             heights.extend(HeightTerm::new(
                 medium, origin, direction, toward_sun, source,
             ));
         }
-        borders.retain(|t| (0.0..=distance).contains(t));
         borders.sort_unstable_by(f64::total_cmp);
+        stretches.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut coming = stretches.into_iter().peekable();
+        // Where the stretches at hand end and whose they are, by region: many boxes along a ray are met one by one.
+        let mut present: Vec<(f64, usize)> = Vec::new();
         let mut pieces = Vec::with_capacity(borders.len());
         let mut eye_depth = DVec3::ZERO;
         for pair in borders.windows(2) {
@@ -74,6 +102,13 @@ impl Scattering {
             let length = to - from;
             if length <= 0.0 {
                 continue;
+            }
+            present.retain(|(end, _)| *end > from);
+            while let Some((_, end, region)) = coming.next_if(|(start, ..)| *start <= from) {
+                if end > from {
+                    let at = present.partition_point(|(_, other)| *other < region);
+                    present.insert(at, (end, region));
+                }
             }
             let mut piece = Piece {
                 from,
@@ -85,9 +120,9 @@ impl Scattering {
             // Both samples lie inside the piece: at its ends the depth may jump (a face parallel to the sun's rays).
             let inner = [0.25, 0.75].map(|f| origin + (from + f * length) * direction);
             let middle = origin + (from + 0.5 * length) * direction;
-            for (region, extinction, source) in &regions {
+            for (region, extinction, source) in present.iter().map(|(_, i)| &regions[*i]) {
                 let [a, b] = inner.map(|p| region.depth(p, toward_sun));
-                let inside = middle.cmpge(region.min).all() && middle.cmple(region.max).all();
+                let inside = region.holds(middle);
                 let slope = (b - a) / (0.5 * length);
                 piece.depth += *extinction * (a - 0.25 * length * slope).max(0.0);
                 piece.slope += *extinction * slope;
@@ -113,7 +148,8 @@ impl Scattering {
             return local.integrate(from, to);
         }
         let mut sum = DVec3::ZERO;
-        for piece in &self.pieces {
+        let first = self.pieces.partition_point(|piece| piece.to <= from);
+        for piece in self.pieces[first..].iter().take_while(|p| p.from < to) {
             let (a, b) = (from.max(piece.from), to.min(piece.to));
             if b > a {
                 sum += self.integrate_piece(piece, a, b);

@@ -4,6 +4,7 @@
 //! the way leaves the folder, and a file that was there before, as they were.
 
 use crate::error::{Error, Result};
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -63,18 +64,32 @@ fn begin(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
         _ => Path::new("."),
     };
     let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(name);
+    // The longest names leave no room for more.
+    prefix.push(if name.len() < 200 {
+        name
+    } else {
+        OsStr::new("tyndall")
+    });
     prefix.push(".");
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
     // A temporary file is its owner's alone; a picture is as open as any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = builder.tempfile_in(folder)?;
+    let temporary = builder.tempfile_in(folder).map_err(without_name)?;
     if let Some(found) = found {
         temporary.as_file().set_permissions(found.permissions())?;
     }
     Ok((target, temporary))
+}
+
+/// What the system said, without the name that only we know.
+fn without_name(error: io::Error) -> io::Error {
+    let text = error.to_string();
+    match text.split_once(" at path ") {
+        Some((said, _)) => io::Error::new(error.kind(), said.to_owned()),
+        None => error,
+    }
 }
 
 /// Syncs the new name to the disk too. The file itself is there already, so a failure here is ignored.

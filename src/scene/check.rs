@@ -71,9 +71,10 @@ pub(super) fn read(path: &Path, text: &str, schema: &Value) -> Result<Checked> {
             "correct the TOML (see https://toml.io)",
         )
     })?;
+    let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
     let mut checker = Checker {
         file: &file,
-        text,
+        breaks: breaks.map(|(at, _)| at).collect(),
         root: schema,
         lines: BTreeMap::new(),
     };
@@ -92,12 +93,18 @@ fn line_at(text: &str, at: usize) -> usize {
 
 struct Checker<'a> {
     file: &'a str,
-    text: &'a str,
+    /// Where lines end: a file of many keys is not searched for each of them.
+    breaks: Vec<usize>,
     root: &'a Value,
     lines: BTreeMap<String, usize>,
 }
 
 impl<'a> Checker<'a> {
+    /// The line, from 1, in which byte `at` stands.
+    fn line(&self, at: usize) -> usize {
+        1 + self.breaks.partition_point(|end| *end < at)
+    }
+
     fn error(
         &self,
         at: usize,
@@ -105,7 +112,7 @@ impl<'a> Checker<'a> {
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Error {
-        let line = line_at(self.text, at);
+        let line = self.line(at);
         let key = if key.is_empty() {
             String::new()
         } else {
@@ -193,8 +200,8 @@ impl<'a> Checker<'a> {
                     self.suggestion(name.get_ref(), &known),
                 ));
             };
-            self.lines
-                .insert(full.clone(), line_at(self.text, name.span().start));
+            let line = self.line(name.span().start);
+            self.lines.insert(full.clone(), line);
             map.insert(
                 name.get_ref().to_string(),
                 self.value(value, property, &full)?,
@@ -248,8 +255,8 @@ impl<'a> Checker<'a> {
                 let mut list = Vec::new();
                 for (i, item) in array.iter().enumerate() {
                     let key = format!("{key}[{i}]");
-                    self.lines
-                        .insert(key.clone(), line_at(self.text, item.span().start));
+                    let line = self.line(item.span().start);
+                    self.lines.insert(key.clone(), line);
                     list.push(self.value(item, items, &key)?);
                 }
                 Ok(Value::Array(list))
@@ -336,7 +343,7 @@ impl<'a> Checker<'a> {
             other => other.type_str().to_owned(),
         };
         Err(Error::domain(
-            format!("{}:{}: {key}", self.file, line_at(self.text, at)),
+            format!("{}:{}: {key}", self.file, self.line(at)),
             format!("{given}{unit}"),
             format!("{valid}{open}"),
             if integer {

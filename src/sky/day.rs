@@ -429,29 +429,26 @@ fn scaled(
     diffuse: f64,
     sun: Position,
 ) -> ([(Gradation, f64); 2], bool) {
-    let (sin, cos) = sun.seen_zenith_angle.sin_cos();
-    let toward_sun = DVec3::new(sin, cos, 0.0);
     let negative = Cell::new(false);
-    let sums = hemisphere::horizontal_integral(sun.seen_zenith_angle, |w| {
-        let (gamma, cos_gamma) = angle_between(w, toward_sun);
-        let value = |i: usize| {
-            let (gradation, weight) = &parts[i];
-            if *weight == 0.0 {
-                return 1.0;
-            }
-            let v = gradation.value(w.y, gamma, cos_gamma);
-            if v < 0.0 {
-                negative.set(true);
-            }
-            v.max(0.0)
-        };
-        DVec3::new(value(0), value(1), 0.0)
+    let sums = parts.map(|(gradation, weight)| {
+        if weight == 0.0 {
+            return 1.0;
+        }
+        hemisphere::product_integral(
+            sun.seen_zenith_angle,
+            |cos_theta| gradation.gradation(cos_theta),
+            |gamma, cos_gamma| gradation.indicatrix(gamma, cos_gamma),
+            |value| {
+                negative.set(negative.get() || value < 0.0);
+                value.max(0.0)
+            },
+        )
     });
     let [(first, w0), (second, w1)] = parts;
     (
         [
-            (first, w0 * diffuse / sums.x),
-            (second, w1 * diffuse / sums.y),
+            (first, w0 * diffuse / sums[0]),
+            (second, w1 * diffuse / sums[1]),
         ],
         negative.get(),
     )

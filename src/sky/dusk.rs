@@ -5,16 +5,24 @@
 //! published curve of sun and clear sky less the sun's own share; between 10 and 2 degrees its distribution and colour go
 //! from the model's to the twilight's. Between -12 and -18 degrees the night comes in, and below that it is alone: stars and
 //! airglow, 6.4e-4 lx.
+//!
+//! Measured irradiance is worth more than a curve: at every height of the sun the sky's illuminance is the measured diffuse
+//! irradiance times the diffuse luminous efficacy, which below the horizon is the horizon's. Twilight and night then say how
+//! that light is spread, and its colour. The sun's own light is the measured direct irradiance times the direct luminous
+//! efficacy down to 5 degrees, and times that of sunlight through clear air from 2 degrees down, where the fit of the former
+//! falls to 0; the part of the disc that has set gives nothing. Clear air of the sky's turbidity may let less through than was
+//! measured: then it is taken as clear as it must have been.
 
 use super::angles::elevation_of;
 use super::day::{self, Day, Position};
-use super::model::Model;
-use super::perez::Bins;
-use super::sun::{SunAt, SunLight, SunPath};
+use super::model::{Irradiance, Model};
+use super::perez::{self, Bins, State};
+use super::sun::{SunAt, SunLight, SunPath, visible_part};
 use super::twilight::{self, Twilight, smoothstep};
 use super::{cie, hemisphere};
 use crate::colour::{luminance, working_from_xyz, xyz_from_xyy};
 use crate::error::{Error, Result};
+use crate::units::{DEG, SUN_DIAMETER};
 use crate::warning::Warning;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -97,19 +105,25 @@ impl Blend {
         if let Some(day) = &day {
             blend.warnings.clone_from(&day.warnings);
         }
+        let measured = measured_illuminance(model, sun)?;
+        blend.warnings.extend(low_sun(model, sun, measured));
         if e >= twilight::BEGIN {
             blend.illuminance = own.unwrap_or_default();
             blend.day = day.map(|day| (day, 1.0));
             return Ok(blend);
         }
         let (grey, hidden, darkening) = clouds(model, e, day.as_ref());
-        let curve = clear_sky_illuminance(model, sun, hidden)? * (1.0 + hidden * (darkening - 1.0));
-        let level = match own {
-            Some(own) if e > twilight::LEVEL => {
+        let curve = || -> Result<f64> {
+            let clear = clear_sky_illuminance(model, sun, hidden)?;
+            Ok(clear * (1.0 + hidden * (darkening - 1.0)))
+        };
+        let level = match (measured, own) {
+            (Some(measured), _) => measured,
+            (None, Some(own)) if e > twilight::LEVEL => {
                 let share = smoothstep(twilight::LEVEL, twilight::BEGIN, e);
-                (luminance(own).ln() * share + curve.ln() * (1.0 - share)).exp()
+                (luminance(own).ln() * share + curve()?.ln() * (1.0 - share)).exp()
             }
-            _ => curve,
+            _ => curve()?,
         };
         let shares = twilight::shares(e);
         if let (Some(day), Some(own)) = (day, own) {
@@ -135,17 +149,119 @@ impl Blend {
         Ok(blend)
     }
 
-    /// Share of the clear air's sunlight that this sky lets through [1], where that is `full` [lx] on a plane facing the sun.
-    pub fn beam_share(&self, model: Model, elevation_true: f64, full: f64) -> f64 {
+    /// Share of the clear air's sunlight that this sky lets through [1], where that is `clear`.
+    pub fn beam_share(&self, model: Model, elevation_true: f64, clear: &SunLight) -> f64 {
         let day = self.day.as_ref().map(|(day, _)| day);
-        let (_, hidden, _) = clouds(model, elevation_true, day);
-        match day.and_then(|day| day.direct_normal) {
-            Some(measured) if full > 0.0 => {
-                let share = smoothstep(twilight::SHAPE, twilight::LEVEL, elevation_true);
-                measured / full * share + (1.0 - hidden) * (1.0 - share)
-            }
-            _ => 1.0 - hidden,
+        let full = luminance(clear.full_illuminance);
+        let Some(measured) = model.irradiance() else {
+            return 1.0 - clouds(model, elevation_true, day).1;
+        };
+        let whole = whole_irradiance(clear);
+        if !(full > 0.0 && whole > 0.0) {
+            return 0.0;
         }
+        // As irradiance, below where the fitted efficacy is taken.
+        let low = measured.direct_normal / whole;
+        match day.and_then(|day| day.direct_normal) {
+            Some(illuminance) => {
+                let share = smoothstep(twilight::SHAPE, twilight::LEVEL, elevation_true);
+                illuminance / full * share + low * (1.0 - share)
+            }
+            None => low,
+        }
+    }
+}
+
+/// The turbidity [1] of the air through which a measured beam comes: the path's from 5 degrees up; from 2 degrees down a lower
+/// one, to 1, if the beam would be weaker than measured.
+///
+/// # Errors
+/// [`Error::Domain`] when a quantity of `path` is outside its range.
+pub(super) fn beam_turbidity(
+    measured: Irradiance,
+    path: &SunPath,
+    elevation_true: f64,
+) -> Result<f64> {
+    let share = smoothstep(twilight::SHAPE, twilight::LEVEL, elevation_true);
+    // The beam falls steadily with turbidity: half of the range at a time is left out.
+    let (mut low, mut high) = (1.0, path.turbidity);
+    let lets_through = |turbidity: f64| -> Result<bool> {
+        let light = SunLight::new(&SunPath { turbidity, ..*path })?;
+        Ok(whole_irradiance(&light) >= measured.direct_normal)
+    };
+    if share == 1.0 || lets_through(high)? {
+        return Ok(high);
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        match lets_through(middle)? {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Ok(low + (path.turbidity - low) * share)
+}
+
+/// Irradiance [W/m2] on a plane facing the sun if the whole disc were up; nothing for one that is wholly down.
+fn whole_irradiance(light: &SunLight) -> f64 {
+    match light.visible_share > 0.0 {
+        true => light.irradiance.unwrap_or_default() / light.visible_share,
+        false => 0.0,
+    }
+}
+
+/// Horizontal illuminance [lx] that a measured diffuse irradiance gives to the sky, by the efficacy of Perez et al. 1990.
+///
+/// With the sun below the horizon the efficacy is the horizon's. `None` without a measurement, and for one of 0 with the sun no
+/// higher than [`twilight::SHAPE`]: less than an instrument tells apart.
+///
+/// # Errors
+/// [`Error::Domain`] for an irradiance outside its range, and for none under a higher sun.
+fn measured_illuminance(model: Model, sun: SunAt) -> Result<Option<f64>> {
+    let Some(measured) = model.irradiance() else {
+        return Ok(None);
+    };
+    let dark = measured.diffuse_horizontal == 0.0 && sun.elevation_true <= twilight::SHAPE;
+    let checked = Irradiance {
+        diffuse_horizontal: if dark {
+            1.0
+        } else {
+            measured.diffuse_horizontal
+        },
+        ..measured
+    };
+    let zenith_angle = (FRAC_PI_2 - sun.elevation_true).clamp(0.0, FRAC_PI_2.next_down());
+    let state = State::new(checked, zenith_angle, sun.distance_au, Bins::Blended)?;
+    let illuminance = measured.diffuse_horizontal * state.diffuse_efficacy(perez::WATER_CM);
+    Ok((!dark).then_some(illuminance))
+}
+
+/// What a user should know of irradiance that is measured while the sun is low or down, where it gives `illuminance` [lx].
+fn low_sun(model: Model, sun: SunAt, illuminance: Option<f64>) -> Option<Warning> {
+    let measured = model.irradiance()?;
+    if sun.elevation_true >= twilight::BEGIN {
+        return None;
+    }
+    let elevation_deg = sun.elevation_true / DEG;
+    let Some(illuminance) = illuminance else {
+        return Some(Warning::NoDiffuseIrradiance { elevation_deg });
+    };
+    if sun.is_up() {
+        return Some(Warning::IrradianceOfLowSun { elevation_deg });
+    }
+    Some(Warning::IrradianceWithoutSun {
+        elevation_deg,
+        direct_normal: measured.direct_normal,
+        illuminance,
+        clear: twilight::clear_illuminance(sun.elevation_true),
+    })
+}
+
+impl SunAt {
+    /// Whether any part of the disc is above the apparent horizon.
+    pub(super) fn is_up(&self) -> bool {
+        let radius = (0.5 * SUN_DIAMETER / self.distance_au).asin();
+        visible_part(elevation_of(self.toward_sun), radius).0 > 0.0
     }
 }
 

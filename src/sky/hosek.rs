@@ -7,27 +7,24 @@ use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
-/// Nine parameters of each channel's distribution, then its radiance; per channel 2 albedos x 10 turbidities x 6 knots.
-struct Data {
-    parameters: [Vec<f64>; 3],
-    radiances: [Vec<f64>; 3],
-}
+/// What the data set has for each of 2 albedos x 10 turbidities x 6 knots.
+const ROWS: usize = 2 * 10 * 6;
 
-const PARAMETERS: usize = 2 * 10 * 6 * 9;
-const RADIANCES: usize = 2 * 10 * 6;
-
-static DATA: LazyLock<Data> = LazyLock::new(|| {
-    let values: Vec<f64> = include_bytes!("../../data/hosek2012_rgb.bin")
+/// Nine parameters of each channel's distribution, then the three radiances: what is mixed stands side by side.
+static DATA: LazyLock<Vec<[f64; 30]>> = LazyLock::new(|| {
+    // The file has them channel by channel: all parameters, then all radiances.
+    let values = include_bytes!("../../data/hosek2012_rgb.bin")
         .as_chunks::<4>()
-        .0
-        .iter()
-        .map(|b| f64::from(f32::from_le_bytes(*b)))
-        .collect();
-    let (parameters, radiances) = values.split_at(3 * PARAMETERS);
-    Data {
-        parameters: std::array::from_fn(|c| parameters[c * PARAMETERS..][..PARAMETERS].to_vec()),
-        radiances: std::array::from_fn(|c| radiances[c * RADIANCES..][..RADIANCES].to_vec()),
-    }
+        .0;
+    let value = |i: usize| f64::from(f32::from_le_bytes(values[i]));
+    (0..ROWS)
+        .map(|row| {
+            std::array::from_fn(|i| match i {
+                0..27 => value(9 * (i / 9 * ROWS + row) + i % 9),
+                _ => value(i * ROWS + row),
+            })
+        })
+        .collect()
 });
 
 /// cd/m2 of one unit of the data set: the luminous efficacy, since the set's matching functions are the CIE's [lm/W].
@@ -79,21 +76,17 @@ impl Hosek {
             (10 + below - 1, albedo * (1.0 - part)),
             (10 + below, albedo * part),
         ];
-        let mix = |data: &[f64], stride: usize, offset: usize| -> f64 {
-            corners
-                .iter()
-                .map(|(set, weight)| {
-                    let first = set * 6 * stride + offset;
-                    let value: f64 = (0..6).map(|k| knots[k] * data[first + k * stride]).sum();
-                    weight * value
-                })
-                .sum()
-        };
+        let mut sums = [0.0; 30];
+        for (set, weight) in corners {
+            for (row, knot) in DATA[6 * set..6 * set + 6].iter().zip(knots) {
+                for (sum, value) in sums.iter_mut().zip(row) {
+                    *sum += weight * knot * value;
+                }
+            }
+        }
         Ok(Hosek {
-            parameters: std::array::from_fn(|c| {
-                std::array::from_fn(|i| mix(&DATA.parameters[c], 9, i))
-            }),
-            radiance: std::array::from_fn(|c| mix(&DATA.radiances[c], 1, 0) * UNIT),
+            parameters: std::array::from_fn(|c| std::array::from_fn(|i| sums[9 * c + i])),
+            radiance: std::array::from_fn(|c| sums[27 + c] * UNIT),
         })
     }
 

@@ -4,6 +4,7 @@ use super::circles::Circles;
 use super::{Sky, SunLight};
 use crate::colour::luminance;
 use crate::error::{Error, Result};
+use crate::memory;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -217,16 +218,23 @@ impl Map {
     }
 
     /// The whole map without the sun's disc, row by row, on all cores: see [`Self::painter`].
-    pub fn paint(&self, sky: &Sky, ground: DVec3) -> Vec<Vec3> {
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when there is not enough memory.
+    pub fn paint(&self, sky: &Sky, ground: DVec3) -> Result<Vec<Vec3>> {
         let width = self.width as usize;
         let painter = self.painter(sky, ground);
+        let count = width * self.height as usize;
+        let bytes = (count * size_of::<Vec3>()) as u64;
+        memory::check("the map", bytes)?;
         // Zeroed memory is first touched, which is expensive, by the core that fills it.
-        let mut texels = bytemuck::zeroed_vec(width * self.height as usize);
+        let mut texels = bytemuck::allocation::try_zeroed_vec(count)
+            .map_err(|()| memory::not_enough("the map", bytes))?;
         texels
             .par_chunks_mut(width)
             .zip(0..self.height)
             .for_each(|(row, y)| painter.row(y, row));
-        texels
+        Ok(texels)
     }
 
     /// What the sun's disc adds: texel index (y * width + x) and RGB in the working space [cd/m2].

@@ -10,7 +10,7 @@
 //! [`twilight`]: between 10 and 5 degrees its horizontal illuminance goes (in the logarithm) from the model's own to the
 //! published curve of sun and clear sky less the sun's own share; between 10 and 2 degrees its distribution and colour go
 //! from the model's to the twilight's. Between -12 and -18 degrees the night comes in, and below that it is alone: stars and
-//! airglow, 6.4e-4 lx.
+//! airglow, 6.4e-4 lx. A measured irradiance sets the sky's illuminance at every height of the sun.
 
 mod angles;
 pub mod cie;
@@ -33,7 +33,6 @@ pub use model::{DEFAULT_TURBIDITY, Irradiance, Model};
 pub use sun::{SunAt, SunLight, SunPath};
 pub(crate) use table::constants;
 
-use crate::colour::luminance;
 use crate::error::{Error, Result};
 use crate::units::DEG;
 use crate::warning::Warning;
@@ -51,6 +50,7 @@ pub struct Sky {
     /// Unit vector toward the sun's azimuth in the horizontal plane.
     toward_azimuth: DVec3,
     elevation_true: f64,
+    sun_is_up: bool,
     blend: Blend,
 }
 
@@ -80,6 +80,7 @@ impl Sky {
             toward_sun: sun.toward_sun,
             toward_azimuth: sun.toward_azimuth(),
             elevation_true: sun.elevation_true,
+            sun_is_up: sun.is_up(),
             blend,
         })
     }
@@ -114,12 +115,19 @@ impl Sky {
     /// The sunlight that belongs to this sky: what comes through the clear air of `path`, as far as the model lets it.
     ///
     /// A measured direct-normal irradiance sets its illuminance (by the efficacy of Perez et al. 1990); CIE types 1 to 6
-    /// and 16 hide the sun. With a sun below 5 degrees the measured level gives way to the clear one less the clouds' share.
+    /// and 16 hide the sun. Between 5 and 2 degrees that efficacy gives way to the one of sunlight through clear air, of the path's
+    /// turbidity or of a lower one that lets the measured irradiance through; this is the whole disc's, of which the visible part
+    /// gives its share.
     /// Errors: [`Error::Domain`] when a quantity of `path` is outside its range.
     pub fn sunlight(&self, path: &SunPath) -> Result<SunLight> {
-        let clear = SunLight::new(path)?;
-        let full = luminance(clear.full_illuminance);
-        let share = self.blend.beam_share(self.model, self.elevation_true, full);
+        let turbidity = match self.model.irradiance() {
+            Some(measured) => dusk::beam_turbidity(measured, path, self.elevation_true)?,
+            None => path.turbidity,
+        };
+        let clear = SunLight::new(&SunPath { turbidity, ..*path })?;
+        let share = self
+            .blend
+            .beam_share(self.model, self.elevation_true, &clear);
         Ok(clear.dimmed(share))
     }
 
@@ -165,7 +173,10 @@ impl Sky {
             _ if matches!(self.model, Model::Uniform { .. }) => model,
             e if e >= twilight::BEGIN => model,
             e if e > twilight::SHAPE => format!("{model}, turning into twilight"),
-            e if e > twilight::END => format!("twilight (the sun is down; {model} by day)"),
+            e if e > twilight::END => {
+                let sun = if self.sun_is_up { "low" } else { "down" };
+                format!("twilight (the sun is {sun}; {model} by day)")
+            }
             _ => format!("night without moon ({model} by day)"),
         }
     }
@@ -176,50 +187,75 @@ impl Sky {
     }
 }
 
-/// XYZ [cd/m2] of a model as published, toward a direction: no blending of clearness bins, no twilight, no gamut.
+/// XYZ [cd/m2] of a model as published, toward a direction: [`Published`] for one direction alone.
 ///
-/// `sun_elevation` (above 0, to 90 degrees), `view_azimuth` from the sun's, `view_elevation` (0 to 90 degrees) in radians.
-/// One astronomical unit, sea level, 2 cm of water, air mass by Kasten 1965, cos(zenith angle) at least 0.01.
-///
-/// Errors: [`Error::Domain`] outside the model's range or below the horizon.
+/// # Errors
+/// Those of [`Published::new`] and [`Published::xyz`].
 pub fn published_xyz(
     model: Model,
     sun_elevation: f64,
     view_azimuth: f64,
     view_elevation: f64,
 ) -> Result<DVec3> {
-    let degrees = |e: f64| format!("{} degrees", e / DEG);
-    if !(sun_elevation > 0.0 && sun_elevation <= FRAC_PI_2 + 1e-12) {
-        return Err(Error::domain(
-            "the sun's elevation",
-            degrees(sun_elevation),
-            "above 0, to 90 degrees",
-            "the models as published have no sky without a sun; pictures and maps go on into the night",
-        ));
+    Published::new(model, sun_elevation)?.xyz(view_azimuth, view_elevation)
+}
+
+/// A model as published, for one height of the sun: no blending of clearness bins, no twilight, no gamut.
+///
+/// One astronomical unit, sea level, 2 cm of water, air mass by Kasten 1965, cos(zenith angle) at least 0.01.
+#[derive(Debug, Clone)]
+pub struct Published {
+    day: Day,
+    toward_sun: DVec3,
+}
+
+impl Published {
+    /// Prepares a model for a sun at an elevation [rad] above 0, to 90 degrees.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] outside the model's range.
+    pub fn new(model: Model, sun_elevation: f64) -> Result<Self> {
+        if !(sun_elevation > 0.0 && sun_elevation <= FRAC_PI_2 + 1e-12) {
+            return Err(Error::domain(
+                "the sun's elevation",
+                format!("{} degrees", sun_elevation / DEG),
+                "above 0, to 90 degrees",
+                "the models as published have no sky without a sun; pictures and maps go on into the night",
+            ));
+        }
+        if let Model::Uniform { luminance } = model {
+            Blend::uniform(luminance)?;
+        }
+        let zenith_angle = (FRAC_PI_2 - sun_elevation).max(0.0);
+        let position = Position {
+            zenith_angle,
+            seen_zenith_angle: zenith_angle,
+            distance_au: 1.0,
+            site_elevation: 0.0,
+        };
+        let (sin, cos) = sun_elevation.sin_cos();
+        Ok(Published {
+            day: Day::new(model, position, Bins::Published)?,
+            toward_sun: DVec3::new(cos, sin, 0.0),
+        })
     }
-    if !(-1e-12..=FRAC_PI_2 + 1e-12).contains(&view_elevation) || !view_azimuth.is_finite() {
-        return Err(Error::domain(
-            "the view's elevation",
-            degrees(view_elevation),
-            "0 to 90 degrees",
-            "a sky has no direction below the horizon",
-        ));
+
+    /// XYZ [cd/m2] toward an azimuth from the sun's [rad] and an elevation [rad], 0 to 90 degrees.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] below the horizon.
+    pub fn xyz(&self, view_azimuth: f64, view_elevation: f64) -> Result<DVec3> {
+        if !(-1e-12..=FRAC_PI_2 + 1e-12).contains(&view_elevation) || !view_azimuth.is_finite() {
+            return Err(Error::domain(
+                "the view's elevation",
+                format!("{} degrees", view_elevation / DEG),
+                "0 to 90 degrees",
+                "a sky has no direction below the horizon",
+            ));
+        }
+        let (sin, cos) = view_elevation.sin_cos();
+        let (sin_azimuth, cos_azimuth) = view_azimuth.sin_cos();
+        let view = DVec3::new(cos * cos_azimuth, sin.max(0.0), cos * sin_azimuth);
+        Ok(self.day.xyz(view, self.toward_sun))
     }
-    if let Model::Uniform { luminance } = model {
-        Sky::new(model, SunAt::unrefracted(DVec3::Y))?;
-        return Ok(crate::colour::xyz_from_working(DVec3::splat(luminance)));
-    }
-    let zenith_angle = (FRAC_PI_2 - sun_elevation).max(0.0);
-    let position = Position {
-        zenith_angle,
-        seen_zenith_angle: zenith_angle,
-        distance_au: 1.0,
-        site_elevation: 0.0,
-    };
-    let day = Day::new(model, position, Bins::Published)?;
-    let (sin, cos) = view_elevation.sin_cos();
-    let (sin_azimuth, cos_azimuth) = view_azimuth.sin_cos();
-    let view = DVec3::new(cos * cos_azimuth, sin.max(0.0), cos * sin_azimuth);
-    let (sin, cos) = sun_elevation.sin_cos();
-    Ok(day.xyz(view, DVec3::new(cos, sin, 0.0)))
 }

@@ -112,6 +112,14 @@ impl Model {
         }
     }
 
+    /// The measured irradiance that the model was given, if any.
+    pub fn irradiance(&self) -> Option<Irradiance> {
+        match self {
+            Model::Perez { irradiance, .. } | Model::Cie { irradiance, .. } => *irradiance,
+            _ => None,
+        }
+    }
+
     /// The name on the command line.
     pub fn name(&self) -> String {
         match self {

@@ -65,7 +65,7 @@ pub fn prices() -> Result<Vec<Price>> {
     }
     for height in [64, 128, 256, 512, 1024, 2048] {
         let map = Map::new(Projection::Equirectangular, 2 * height, height)?;
-        prices.push(study.map(String::new(), map));
+        prices.push(study.map(String::new(), map)?);
     }
     // The other models cost otherwise; the largest map shows it.
     for model in [
@@ -79,7 +79,7 @@ pub fn prices() -> Result<Vec<Price>> {
     ] {
         let other = Study::new(Sky::new(model, SunAt::unrefracted(toward_sun))?);
         let map = Map::new(Projection::Equirectangular, 4096, 2048)?;
-        prices.push(other.map(format!(" {}", model.name()), map));
+        prices.push(other.map(format!(" {}", model.name()), map)?);
     }
     for merged in [32, 16, 8, 4, 2, 1] {
         prices.push(bands(merged)?);
@@ -156,9 +156,10 @@ impl Study {
         }
     }
 
-    fn map(&self, model: String, map: Map) -> Price {
+    fn map(&self, model: String, map: Map) -> Result<Price> {
         let width = map.width as usize;
         let (seconds, texels) = timed(|| map.paint(&self.sky, DVec3::ZERO));
+        let texels = texels?;
         let luminances: Vec<f64> = texels.iter().map(|v| luminance(v.as_dvec3())).collect();
         let mut planes = vec![0.0; NORMALS];
         for (i, l) in luminances.iter().enumerate() {
@@ -169,14 +170,14 @@ impl Study {
                 light(&mut planes, w, l * map.solid_angle(x, y));
             }
         }
-        Price {
+        Ok(Price {
             knob: "map",
             setting: format!("{}x{}{model}", map.width, map.height),
             count: luminances.len(),
             seconds,
             illuminance_error: self.worst_plane(&planes),
             detail_error: self.rms(|w| bilinear(&map, &luminances, w)),
-        }
+        })
     }
 
     fn worst_plane(&self, planes: &[f64]) -> f64 {

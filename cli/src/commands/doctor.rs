@@ -1,5 +1,6 @@
 //! `tyndall doctor`: what this machine offers, and what to install.
 
+use crate::machine;
 use crate::tables::stdout;
 use std::fmt::Write;
 use tyndall::backend::gpu::adapters::{self, Adapter, Report};
@@ -15,7 +16,7 @@ pub struct DoctorArgs {
 
 /// Prints what was found. That there is no adapter is no failure: the CPU reference needs none.
 pub fn run(args: &DoctorArgs) -> tyndall::Result<()> {
-    let report = adapters::report();
+    let report = machine::quietly(|| Ok(adapters::report()))?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     if args.json {
         return stdout::print_json(&serde_json::json!({

@@ -98,7 +98,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
     }
     let total: f64 = seconds.iter().map(in_seconds).sum();
     text += &format!(
-        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them; left out: what is certain to add less than {} of {:.0} cd/m2\n",
+        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them at most; left out: what is certain to add less than {} of {:.0} cd/m2\n",
         conditions.view.size[0],
         conditions.view.size[1],
         rayon::current_num_threads(),

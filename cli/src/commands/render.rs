@@ -3,6 +3,7 @@
 use crate::arguments::backend::BackendFlag;
 use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
 use crate::arguments::scene::{PlanArgs, SceneArgs};
+use crate::machine;
 use crate::tables::{stdout, work};
 use crate::tell;
 use clap::Args;
@@ -13,7 +14,7 @@ use std::time::Instant;
 use tyndall::Result;
 use tyndall::backend::check::{Check, Yardstick};
 use tyndall::backend::choose::choose;
-use tyndall::backend::{Backend, Limits, Rendered};
+use tyndall::backend::{Limits, Rendered};
 use tyndall::colour::{Space, display, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
@@ -74,7 +75,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // What is wrong with the flags is said before anything is measured.
     Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    let mut backend = Backend::open(args.backend.wanted())?;
+    let mut backend = machine::open(args.backend.wanted())?;
     let limits = Limits::memory((args.max_memory * f64::from(1 << 30)) as u64);
     let mut overrules = args.plan.overrules();
     if let Some(goal) = args.plan.goal() {
@@ -204,7 +205,7 @@ fn report(
         "render_seconds": rendered.elapsed.as_secs_f64(),
         "work": work,
         "check": check,
-        "files": files,
+        "files": files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
     })
 }
 

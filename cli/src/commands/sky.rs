@@ -5,6 +5,7 @@ use crate::arguments::form::FormArgs;
 use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::arguments::scene::{pair, size};
+use crate::machine;
 use crate::tables::batch::Form;
 use crate::tables::columns::{self, Columns};
 use crate::tables::sky_batch;
@@ -128,8 +129,9 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let formats = output::check_targets(&args.output)?;
     let subject = subject(args)?;
     tell::warnings(subject.sky.warnings());
-    let facts = facts(args, &subject);
+    let mut facts = facts(args, &subject);
     if args.form.json {
+        facts.insert("warnings".into(), json!(subject.sky.warnings()));
         stdout::print_json(&facts)?;
     } else if args.form.csv {
         stdout::print(columns::csv(&[facts]))?;
@@ -352,7 +354,7 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
     let [width, height] = args.size.unwrap_or(size);
     let map = Map::new(projection, width, height)?;
     let ground = ground(args, subject);
-    let mut backend = Backend::open(args.backend.wanted())?;
+    let mut backend = machine::open(args.backend.wanted())?;
     let mut rgb = match &mut backend {
         Backend::Gpu(gpu) => {
             let painted = gpu.paint(&map, &subject.sky, ground)?;
@@ -362,7 +364,7 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
             }
             painted.texels
         }
-        Backend::Reference(_) => map.paint(&subject.sky, ground),
+        Backend::Reference(_) => map.paint(&subject.sky, ground)?,
     };
     eprintln!("backend    {}", backend.describe());
     if !args.without_sun {

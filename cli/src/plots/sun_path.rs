@@ -204,8 +204,8 @@ impl<'a> Year<'a> {
             Some(delta_t) => Instant::from_utc_with(utc, delta_t),
             None => Instant::from_utc(utc),
         };
-        // The year was checked when it was made.
-        let instant = instant.unwrap_or_else(|_| unreachable!("a day of a valid year"));
+        #[expect(clippy::expect_used, reason = "the year was checked when it was made")]
+        let instant = instant.expect("a day of a valid year");
         self.almanac
             .sun_position(&instant, self.site, &self.weather)
     }

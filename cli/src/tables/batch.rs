@@ -1,14 +1,16 @@
 //! A CSV in, the same rows with results out: what `tyndall sun --batch` and `tyndall sky --batch` share.
 
-use std::io::Read;
+use std::io::{Read, Seek, Write};
 use std::path::Path;
+use std::sync::Arc;
 
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
+use tempfile::SpooledTempFile;
 use tyndall::{Error, Result};
 
 use crate::tables::rows::{Lines, Rows};
-use crate::tables::stdout;
+use crate::tables::stdout::{self, Out};
+use crate::tables::stream::{self, Input, LONGEST, Piece, Sink};
 
 /// What a batch reads and adds. Names of columns are read in any case.
 pub struct Batch {
@@ -20,6 +22,12 @@ pub struct Batch {
     pub required: usize,
     /// The columns that it adds.
     pub results: &'static [&'static str],
+}
+
+/// What finds the results of one row after another; it may remember what the last one needed.
+pub trait Results: Clone + Send + 'static {
+    /// Fills in the results, in the order of [`Batch::results`].
+    fn of(&mut self, row: &Row, results: &mut [f64]) -> Result<()>;
 }
 
 /// How a batch is printed.
@@ -35,8 +43,29 @@ pub struct Form {
 pub struct Row<'a> {
     batch: &'a Batch,
     header: &'a Header,
-    cells: Vec<&'a str>,
+    cells: Cells<'a>,
     place: Place<'a>,
+}
+
+/// The cells of a row: where each begins and ends in a text.
+#[derive(Clone, Copy)]
+struct Cells<'a> {
+    text: &'a str,
+    ends: &'a [(usize, usize)],
+    /// Whether they stand in the text as they are printed: no quotes, no blanks around them.
+    plain: bool,
+}
+
+impl<'a> Cells<'a> {
+    fn get(&self, i: usize) -> &'a str {
+        let (start, end) = self.ends[i];
+        &self.text[start..end]
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &'a str> {
+        let text = self.text;
+        self.ends.iter().map(move |&(start, end)| &text[start..end])
+    }
 }
 
 /// A line of a file.
@@ -52,14 +81,12 @@ impl From<Place<'_>> for String {
     }
 }
 
-/// Some rows with their results, as they are printed.
+/// The rows of a piece with their results, as they are printed.
 struct Block {
     text: Vec<u8>,
+    rows: usize,
     broken: Vec<Error>,
 }
-
-/// How many rows are computed and written to memory by one thread at a time.
-const BLOCK: usize = 500;
 
 struct Header {
     names: Vec<String>,
@@ -67,94 +94,92 @@ struct Header {
     at: Vec<Option<usize>>,
 }
 
+/// Where blocks go, and what is counted on the way.
+struct Printer {
+    out: Out,
+    form: Form,
+    /// With [`Form::strict`] everything waits here: in memory while it is little, then in a file that no one else sees.
+    held: Option<SpooledTempFile>,
+    started: bool,
+    rows: usize,
+    broken: usize,
+}
+
+/// How much waits in memory [bytes].
+const HELD: usize = 1 << 24;
+
 impl Batch {
-    /// Prints the rows of `path` (`-` is standard input) with their results.
+    /// Prints the rows of `path` (`-` is standard input) with their results, as they come.
     ///
     /// # Errors
     /// A file that cannot be read, a missing column; at the end, if rows were broken: these are named on standard error
     /// and left out.
-    pub fn run<F>(&self, path: &Path, form: Form, results: F) -> Result<()>
-    where
-        F: Fn(&Row) -> Result<Vec<f64>> + Sync,
-    {
-        let (name, text) = read(path)?;
-        let mut lines = text
-            .trim_start_matches('\u{feff}')
-            .lines()
-            .enumerate()
-            .filter(|(_, line)| !line.trim().is_empty());
-        let (number, first) = lines.next().ok_or_else(|| {
-            Error::input(
-                &name,
-                "the file is empty",
-                format!("start with the line {}", self.known.join(",")),
-            )
-        })?;
-        let place = |number: usize| Place {
-            file: &name,
-            line: number + 1,
+    pub fn run(&'static self, path: &Path, form: Form, results: impl Results) -> Result<()> {
+        let mut input = Input::open(path)?;
+        let name: Arc<str> = input.name.as_str().into();
+        let (header, rest) = self.begin(&mut input)?;
+        let mut printer = Printer {
+            out: stdout::lock(),
+            form,
+            held: form.strict.then(|| SpooledTempFile::new(HELD)),
+            started: false,
+            rows: 0,
+            broken: 0,
         };
-        let header = self.header(first, place(number))?;
-        let rows: Vec<(Place, &str)> = lines.map(|(i, line)| (place(i), line)).collect();
-        if rows.is_empty() {
-            eprintln!("note: {name} has no rows");
-        }
-
-        let mut out = stdout::lock();
-        if form.json {
-            out.line("[")?;
-        } else {
-            let mut csv = Rows::with_capacity(0);
+        let mut head = Rows::with_capacity(0);
+        if !form.json {
             let names = header.names.iter().map(String::as_str);
-            csv.row(names.chain(self.results.iter().copied()));
-            out.bytes(&csv.into_bytes())?;
+            head.row(names.chain(self.results.iter().copied()));
         }
-        // Pieces are written while the next are computed; with --strict all must be known to be right first.
-        let piece = if form.strict { rows.len() } else { 50_000 };
-        let (mut broken, mut started) = (0_usize, false);
-        for piece in rows.chunks(piece.max(1)) {
-            let blocks: Vec<Block> = piece
-                .par_chunks(BLOCK)
-                .map(|rows| self.block(&header, rows, form.json, &results))
-                .collect();
-            for block in blocks {
-                if form.json && !block.text.is_empty() {
-                    out.bytes(if started { b",\n" } else { b"" })?;
-                    started = true;
+        printer.print(if form.json { b"[\n" } else { head.bytes() })?;
+        let header = Arc::new(header);
+        let mut results = results;
+        let file = Arc::clone(&name);
+        let work = move |piece: &Piece| self.block(&header, &file, piece, form.json, &mut results);
+        stream::run(rest, input, work, &mut printer)?;
+        printer.finish(&name)
+    }
+
+    /// Reads the first line that is not empty, and gives what stands behind it too.
+    fn begin(&self, input: &mut Input) -> Result<(Header, Piece)> {
+        let mut start = true;
+        while let Some(mut piece) = input.next()? {
+            if start {
+                start = false;
+                refuse_utf16(&piece.bytes, &input.name)?;
+                if piece.bytes.starts_with(b"\xef\xbb\xbf") {
+                    piece.bytes.drain(..3);
                 }
-                out.bytes(&block.text)?;
-                for error in block.broken {
-                    if form.strict {
-                        out.discard();
-                        return Err(error);
-                    }
-                    eprintln!("error: {error}");
-                    broken += 1;
+            }
+            while !piece.bytes.is_empty() {
+                let end = piece.bytes.iter().position(|byte| *byte == b'\n');
+                let line: Vec<u8> = piece
+                    .bytes
+                    .drain(..end.map_or(piece.bytes.len(), |i| i + 1))
+                    .collect();
+                let place = Place {
+                    file: &input.name,
+                    line: piece.first,
+                };
+                let text = utf8(&line, place)?.trim();
+                piece.first += 1;
+                if !text.is_empty() {
+                    return Ok((self.header(text, place)?, piece));
                 }
             }
         }
-        if form.json {
-            out.line(if started { "\n]" } else { "]" })?;
-        }
-        out.finish()?;
-        if broken > 0 {
-            return Err(Error::input(
-                &name,
-                format!(
-                    "{broken} of {} rows could not be used and were left out",
-                    rows.len()
-                ),
-                "correct the rows named above",
-            ));
-        }
-        Ok(())
+        Err(Error::input(
+            &input.name,
+            "the file is empty",
+            format!("start with the line {}", self.known.join(",")),
+        ))
     }
 
     /// Finds the columns.
     fn header(&self, line: &str, place: Place) -> Result<Header> {
-        let mut lines = Lines::new();
-        let names = cells(&mut lines, line, place)?;
-        let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
+        let (mut lines, mut ends) = (Lines::new(), Vec::new());
+        let cells = cells(&mut lines, &mut ends, line, place)?;
+        let names: Vec<String> = cells.iter().map(str::to_owned).collect();
         let is = |name: &str, known: &str| name.eq_ignore_ascii_case(known);
         let mut at = Vec::with_capacity(self.known.len());
         for known in self.known {
@@ -181,7 +206,11 @@ impl Batch {
                     quoted(&names)
                 ),
                 format!(
-                    "the first line names the columns, with commas: {} and perhaps {}",
+                    "the first line names the columns, with commas{}: {} and perhaps {}",
+                    match line.contains(';') || line.contains('\t') {
+                        true => " (not semicolons or tabs)",
+                        false => "",
+                    },
                     self.known[..self.required].join(","),
                     self.known[self.required..].join(",")
                 ),
@@ -207,43 +236,71 @@ impl Batch {
         Ok(Header { names, at })
     }
 
-    /// The results of rows of the file.
-    fn block<F>(&self, header: &Header, rows: &[(Place, &str)], json: bool, results: &F) -> Block
-    where
-        F: Fn(&Row) -> Result<Vec<f64>>,
-    {
-        let mut lines = Lines::new();
-        let mut csv = Rows::with_capacity(if json { 0 } else { 250 * rows.len() });
-        let (mut texts, mut broken) = (Vec::new(), Vec::new());
-        for &(place, line) in rows {
-            let row = self.row(header, &mut lines, line, place);
-            match row.and_then(|row| Ok((results(&row)?, row))) {
-                Ok((values, row)) if json => texts.push(row.json(&values)),
-                Ok((values, row)) => row.csv(&values, &mut csv),
+    /// The results of the rows of a piece.
+    fn block(
+        &self,
+        header: &Header,
+        file: &str,
+        piece: &Piece,
+        json: bool,
+        results: &mut impl Results,
+    ) -> Block {
+        let (mut lines, mut ends) = (Lines::new(), Vec::new());
+        let mut values = vec![0.0; self.results.len()];
+        let mut rows = Rows::with_capacity(5 * piece.bytes.len());
+        let (mut count, mut broken) = (0, Vec::new());
+        let mut started = false;
+        for (i, line) in piece.bytes.split(|byte| *byte == b'\n').enumerate() {
+            let line_number = piece.first + i;
+            let place = Place {
+                file,
+                line: line_number,
+            };
+            let line = match utf8(line, place) {
+                Ok(line) => line.strip_suffix('\r').unwrap_or(line),
+                Err(error) => {
+                    count += 1;
+                    broken.push(error);
+                    continue;
+                }
+            };
+            if line.trim_start().is_empty() {
+                continue;
+            }
+            count += 1;
+            let row = self.row(header, &mut lines, &mut ends, line, place);
+            match row.and_then(|row| results.of(&row, &mut values).map(|()| row)) {
+                Ok(row) if json => {
+                    rows.raw(if started { b",\n" } else { b"" });
+                    rows.raw(row.json(&values).as_bytes());
+                    started = true;
+                }
+                Ok(row) => row.csv(&values, &mut rows),
                 Err(error) => broken.push(error),
             }
         }
-        let text = match json {
-            true => texts.join(",\n").into_bytes(),
-            false => csv.into_bytes(),
-        };
-        Block { text, broken }
+        Block {
+            text: rows.into_bytes(),
+            rows: count,
+            broken,
+        }
     }
 
     fn row<'a>(
         &'a self,
         header: &'a Header,
         lines: &'a mut Lines,
-        line: &str,
+        ends: &'a mut Vec<(usize, usize)>,
+        line: &'a str,
         place: Place<'a>,
     ) -> Result<Row<'a>> {
-        let cells = cells(lines, line, place)?;
-        if cells.len() != header.names.len() {
+        let cells = cells(lines, ends, line, place)?;
+        if cells.ends.len() != header.names.len() {
             return Err(Error::input(
                 place,
                 format!(
                     "{} cells where the first line has {}",
-                    cells.len(),
+                    cells.ends.len(),
                     header.names.len()
                 ),
                 "give every column a cell, empty where it does not apply",
@@ -258,11 +315,80 @@ impl Batch {
     }
 }
 
+impl Printer {
+    fn print(&mut self, text: &[u8]) -> Result<()> {
+        match &mut self.held {
+            Some(held) => held.write_all(text).map_err(not_held),
+            None => self.out.bytes(text),
+        }
+    }
+
+    fn finish(mut self, name: &str) -> Result<()> {
+        if self.form.json {
+            self.print(if self.started { b"\n]\n" } else { b"]\n" })?;
+        }
+        if let Some(mut held) = self.held {
+            held.rewind().map_err(not_held)?;
+            let mut buffer = vec![0; 1 << 16];
+            loop {
+                match held.read(&mut buffer).map_err(not_held)? {
+                    0 => break,
+                    length => self.out.bytes(&buffer[..length])?,
+                }
+            }
+        }
+        self.out.finish()?;
+        if self.rows == 0 {
+            eprintln!("note: {name} has no rows");
+        }
+        if self.broken > 0 {
+            return Err(Error::input(
+                name,
+                format!(
+                    "{} of {} rows could not be used and were left out",
+                    self.broken, self.rows
+                ),
+                "correct the rows named above",
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Sink<Block> for Printer {
+    fn take(&mut self, block: Block) -> Result<()> {
+        self.rows += block.rows;
+        if self.form.json && !block.text.is_empty() {
+            if self.started {
+                self.print(b",\n")?;
+            }
+            self.started = true;
+        }
+        self.print(&block.text)?;
+        for error in block.broken {
+            if self.form.strict {
+                return Err(error);
+            }
+            eprintln!("error: {error}");
+            self.broken += 1;
+        }
+        Ok(())
+    }
+
+    fn wants_more(&self) -> bool {
+        !self.out.closed()
+    }
+
+    fn idle(&mut self) -> Result<()> {
+        self.out.flush()
+    }
+}
+
 impl Row<'_> {
     /// The text of a known column, by its number; `None` where the cell is empty or there is no such column.
     pub fn text(&self, column: usize) -> Option<&str> {
         self.header.at[column]
-            .map(|i| self.cells[i])
+            .map(|i| self.cells.get(i))
             .filter(|cell| !cell.is_empty())
     }
 
@@ -304,8 +430,12 @@ impl Row<'_> {
     }
 
     fn csv(&self, values: &[f64], csv: &mut Rows) {
-        for cell in &self.cells {
-            csv.text(cell);
+        if self.cells.plain {
+            csv.verbatim(self.cells.text);
+        } else {
+            for cell in self.cells.iter() {
+                csv.text(cell);
+            }
         }
         for &value in values {
             csv.number(value);
@@ -315,7 +445,7 @@ impl Row<'_> {
 
     fn json(&self, values: &[f64]) -> String {
         let mut map = Map::new();
-        for (i, (name, cell)) in self.header.names.iter().zip(&self.cells).enumerate() {
+        for (i, (name, cell)) in self.header.names.iter().zip(self.cells.iter()).enumerate() {
             // Known numbers are numbers; what is unknown passes as it is.
             let number = self.header.at[self.batch.words..]
                 .contains(&Some(i))
@@ -335,17 +465,40 @@ impl Row<'_> {
     }
 }
 
-/// The text of a file or of standard input, and what to call it.
-fn read(path: &Path) -> Result<(String, String)> {
-    if path == Path::new("-") {
-        let mut text = String::new();
-        std::io::stdin()
-            .read_to_string(&mut text)
-            .map_err(|error| Error::reading(Path::new("standard input"), error))?;
-        return Ok(("standard input".into(), text));
+/// A line's text.
+fn utf8<'a>(line: &'a [u8], place: Place) -> Result<&'a str> {
+    if line.len() > LONGEST {
+        let problem = format!("the line is longer than {LONGEST} bytes");
+        return Err(Error::input(place, problem, "give shorter cells"));
     }
-    let text = std::fs::read_to_string(path).map_err(|error| Error::reading(path, error))?;
-    Ok((path.display().to_string(), text))
+    std::str::from_utf8(line).map_err(|_| {
+        Error::input(
+            place,
+            "the line is not UTF-8 text",
+            "save the file as UTF-8 (\"CSV UTF-8\" in a spreadsheet)",
+        )
+    })
+}
+
+/// Every other byte of English in UTF-16 is 0, with or without a mark of byte order.
+fn refuse_utf16(bytes: &[u8], name: &str) -> Result<()> {
+    let marked = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    let unmarked = matches!(bytes, [0, a, 0, b, ..] | [a, 0, b, 0, ..] if *a != 0 && *b != 0);
+    if marked || unmarked {
+        return Err(Error::input(
+            name,
+            "the file is UTF-16 text",
+            "save it as UTF-8 (\"CSV UTF-8\" in a spreadsheet)",
+        ));
+    }
+    Ok(())
+}
+
+fn not_held(error: std::io::Error) -> Error {
+    Error::failed(
+        format!("results could not be held back for --strict: {error}"),
+        "make room in the folder for temporary files, or leave out --strict",
+    )
 }
 
 fn quoted(names: &[impl AsRef<str>]) -> String {
@@ -356,9 +509,45 @@ fn quoted(names: &[impl AsRef<str>]) -> String {
         .join(", ")
 }
 
-/// The cells of a line.
-fn cells<'l>(lines: &'l mut Lines, line: &str, place: Place) -> Result<Vec<&'l str>> {
-    let problem = "a quote is not closed";
-    let cells = lines.cells(line);
-    cells.ok_or_else(|| Error::input(place, problem, "close it on the same line"))
+/// The cells of a line, without the blanks around them. Lines without quotes, which most are, are cut at their commas.
+fn cells<'a>(
+    lines: &'a mut Lines,
+    ends: &'a mut Vec<(usize, usize)>,
+    line: &'a str,
+    place: Place,
+) -> Result<Cells<'a>> {
+    ends.clear();
+    let (mut start, mut quoted) = (0, false);
+    for (i, byte) in line.bytes().enumerate() {
+        match byte {
+            b',' => {
+                ends.push((start, i));
+                start = i + 1;
+            }
+            b'"' | b'\r' => quoted = true,
+            _ => {}
+        }
+    }
+    ends.push((start, line.len()));
+    let mut text = line;
+    if quoted {
+        ends.clear();
+        let problem = "a quote is not closed";
+        let cells = lines.cells(line, ends);
+        text = cells.ok_or_else(|| Error::input(place, problem, "close it on the same line"))?;
+    }
+    let mut plain = !quoted;
+    for (start, end) in ends.iter_mut() {
+        let cell = &text[*start..*end];
+        let solid = |byte: Option<&u8>| byte.is_none_or(|b| b.is_ascii_graphic());
+        if solid(cell.as_bytes().first()) && solid(cell.as_bytes().last()) {
+            continue;
+        }
+        let inner = cell.trim_start();
+        let from = *start + (cell.len() - inner.len());
+        let to = from + inner.trim_end().len();
+        plain &= (from, to) == (*start, *end);
+        (*start, *end) = (from, to);
+    }
+    Ok(Cells { text, ends, plain })
 }

@@ -5,6 +5,7 @@ pub mod columns;
 pub mod rows;
 pub mod sky_batch;
 pub mod stdout;
+pub mod stream;
 pub mod sun_batch;
 pub mod sun_columns;
 pub mod time_text;

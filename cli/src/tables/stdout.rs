@@ -53,19 +53,23 @@ impl Out {
         self.check(result)
     }
 
-    /// Forgets what is still buffered.
-    pub fn discard(self) {
-        // The parts are taken from the writer without a flush.
-        let _ = self.writer.into_parts();
+    /// Whether its reader has gone.
+    pub fn closed(&self) -> bool {
+        self.closed
     }
 
-    /// Writes what is still buffered.
-    pub fn finish(mut self) -> Result<()> {
+    /// Lets out what is still buffered.
+    pub fn flush(&mut self) -> Result<()> {
         if self.closed {
             return Ok(());
         }
         let result = self.writer.flush();
         self.check(result)
+    }
+
+    /// Writes what is still buffered.
+    pub fn finish(mut self) -> Result<()> {
+        self.flush()
     }
 
     fn check(&mut self, result: io::Result<()>) -> Result<()> {

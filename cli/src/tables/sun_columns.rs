@@ -3,7 +3,7 @@
 use tyndall::ephemeris::SunPosition;
 use tyndall::units::DEG;
 
-/// The columns of a position, in degrees unless the name says otherwise; the first seven are those of a batch.
+/// The columns of a position, in degrees unless the name says otherwise.
 pub fn columns(sun: &SunPosition) -> [(&'static str, f64); 11] {
     [
         ("azimuth", sun.azimuth_deg()),

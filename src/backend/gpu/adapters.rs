@@ -1,5 +1,6 @@
 //! Which graphics adapters there are, what each can do, and what to install where there is none.
 
+use crate::error::{Error, Result};
 use serde::Serialize;
 use wgpu::{
     Adapter as Handle, Backends, DeviceType, Features, Instance, InstanceDescriptor, InstanceFlags,
@@ -71,6 +72,34 @@ pub struct AdapterLimits {
 }
 
 impl Adapter {
+    /// Whether it takes a scene of so many triangles and texels, to be asked before any of it is copied.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when one of the scene's buffers would be larger than what a shader sees at once.
+    pub fn takes(&self, triangles: usize, texels: usize) -> Result<()> {
+        // Per triangle three corners of three numbers, and three times what a shader's `Attributes` hold.
+        const CORNERS: u64 = 3 * 12;
+        const ATTRIBUTES: u64 = 3 * 32;
+        const TEXEL: u64 = 4;
+        let most = self.limits.buffer_bytes.min(self.limits.binding_bytes);
+        for (what, count, bytes) in [
+            ("triangles", triangles as u64, CORNERS.max(ATTRIBUTES)),
+            ("texels of textures", texels as u64, TEXEL),
+        ] {
+            if count.saturating_mul(bytes) > most {
+                return Err(Error::failed(
+                    format!(
+                        "the scene has {count} {what}, and {} takes {} at once",
+                        self.name,
+                        most / bytes
+                    ),
+                    "use `--backend reference`, another adapter, or a smaller scene",
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether it is more than the processor itself.
     pub fn is_hardware(&self) -> bool {
         self.kind != AdapterKind::Software
@@ -287,6 +316,37 @@ mod tests {
         assert!(System::Debian.advice(false)[1].contains("mesa-vulkan-drivers"));
         assert_eq!(System::Debian.advice(true).len(), 1);
         assert!(System::Arch.advice(false)[1].contains("vulkan-swrast"));
+    }
+
+    #[test]
+    fn a_scene_that_does_not_fit_is_refused_by_what_is_too_much() {
+        let adapter = Adapter {
+            name: "a card".into(),
+            kind: AdapterKind::Discrete,
+            backend: "vulkan".into(),
+            driver: String::new(),
+            limits: AdapterLimits {
+                texture_side: 16_384,
+                texture_layers: 256,
+                buffer_bytes: 1 << 30,
+                binding_bytes: 128 << 20,
+                storage_buffers: 8,
+                workgroup_invocations: 256,
+                workgroup_bytes: 16_384,
+            },
+            timestamps: true,
+            unclipped_depth: true,
+        };
+        let most = (128 << 20) / 96;
+        assert!(adapter.takes(most, 32 << 20).is_ok());
+        let error = adapter.takes(most + 1, 0).unwrap_err().problem();
+        assert!(
+            error.contains("1398102 triangles") && error.contains("takes 1398101"),
+            "{error}"
+        );
+        let error = adapter.takes(0, (32 << 20) + 1).unwrap_err().problem();
+        assert!(error.contains("texels"), "{error}");
+        assert!(adapter.takes(usize::MAX, 0).is_err());
     }
 
     #[test]

@@ -201,6 +201,9 @@ impl Gpu {
         match &mut self.scene {
             Some(scene) if scene.is_of(conditions) => scene.follow(conditions),
             slot => {
+                let texels = conditions.scene.textures.iter().map(|t| t.pixels.len());
+                let triangles = conditions.scene.mesh.triangles.len();
+                self.device.adapter.takes(triangles, texels.sum())?;
                 *slot = Some(SceneOnDevice::new(conditions));
                 loaded = true;
             }

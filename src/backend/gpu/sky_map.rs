@@ -9,6 +9,7 @@ use super::source;
 use super::timer::Timer;
 use crate::backend::rendering::Traffic;
 use crate::error::Result;
+use crate::memory;
 use crate::sky::Sky;
 use crate::sky::map::{Map, Projection};
 use encase::ShaderType;
@@ -102,7 +103,13 @@ pub(super) fn paint(
     ];
     device.check()?;
 
-    let mut whole = Vec::with_capacity(map.width as usize * map.height as usize);
+    let mut whole = Vec::new();
+    let texels_in_all = map.width as usize * map.height as usize;
+    let in_all = (texels_in_all * size_of::<Vec3>()) as u64;
+    memory::check("the map", in_all)?;
+    whole
+        .try_reserve_exact(texels_in_all)
+        .map_err(|_| memory::not_enough("the map", in_all))?;
     for first in (0..map.height).step_by(rows as usize) {
         device.write(&band, &uniform(first));
         let here = rows.min(map.height - first);
