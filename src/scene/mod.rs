@@ -18,6 +18,7 @@ mod mtl;
 mod mtl_pictures;
 mod named;
 mod obj;
+mod obj_model;
 mod polygon;
 mod text;
 mod toml;

@@ -143,7 +143,23 @@ impl Shelf {
 
     fn close(&mut self, open: Option<Reading>, remarks: &mut Remarks) {
         let Some(reading) = open else { return };
-        let entry = reading.entry;
+        let mut entry = reading.entry;
+        let mut fault = |problem| {
+            remarks
+                .faults
+                .add(problem, entry.line, || shortened(&entry.name));
+        };
+        let (d, tr) = (reading.dissolve, reading.transparency);
+        let opacity = d.or(tr.map(|tr| 1.0 - tr)).unwrap_or(1.0);
+        if let (Some(d), Some(tr)) = (d, tr)
+            && (d + tr - 1.0).abs() > 1e-3
+        {
+            fault("d and Tr disagree (Tr is one less d); d counts");
+        }
+        if opacity == 0.0 {
+            fault("a material that nothing is seen of, by its d or Tr");
+        }
+        entry.look.opacity = opacity;
         for what in reading.left_out {
             tally(&mut remarks.left_out, &what, 1);
         }
@@ -320,20 +336,6 @@ impl Reading {
         if place.replace(inside).is_some_and(|before| before != inside) {
             fault("it is there again, and not the same; this one counts");
         }
-        match (self.dissolve, self.transparency) {
-            (Some(d), Some(tr)) if (d + tr - 1.0).abs() > 1e-3 => {
-                fault("d and Tr disagree (Tr is one less d); d counts");
-            }
-            _ => {}
-        }
-        let opacity = self
-            .dissolve
-            .or(self.transparency.map(|tr| 1.0 - tr))
-            .unwrap_or(1.0);
-        if opacity == 0.0 {
-            fault("a material that nothing is seen of");
-        }
-        self.entry.look.opacity = opacity;
     }
 
     /// A map: options, then the name of a picture, which may hold spaces. Options after the name are taken too.
@@ -355,7 +357,7 @@ impl Reading {
             .map(str::len)
             .sum::<usize>();
         self.options(key, &rest[end..], true, &mut map);
-        map.name = rest[..end].trim().to_owned();
+        map.name = rest[..end].trim().trim_matches('"').to_owned();
         map
     }
 

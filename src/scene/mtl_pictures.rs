@@ -3,7 +3,7 @@
 use super::assembly::decode_image;
 use super::mtl::{Channel, Entry, Map, Remarks};
 use super::named::{self, Beside, MOST};
-use super::text::shortened;
+use super::text::{shortened, shown_path};
 use super::{Texture, Wrap};
 use crate::warning::Warning;
 use std::collections::BTreeMap;
@@ -71,7 +71,7 @@ impl Pictures {
             let (path, map) = (path.as_ref()?, map.as_ref()?);
             let picture = named::read(path).and_then(|bytes| {
                 decode_image(&map.name, &bytes, wrap).map_err(|problem| {
-                    format!("{}: {problem}", shortened(&path.display().to_string()))
+                    format!("{}: {problem}", shown_path(&path.display().to_string()))
                 })
             });
             picture
@@ -114,7 +114,7 @@ impl Pictures {
     pub fn into_warnings(self, file: &str) -> impl Iterator<Item = Warning> {
         let more = self.missing.len().saturating_sub(MOST);
         let problems = self.missing.into_values().take(MOST);
-        let rest = (more > 0).then(|| format!("as many as {more} more pictures"));
+        let rest = (more > 0).then(|| format!("{more} more pictures cannot be read"));
         problems
             .chain(rest)
             .map(move |problem| Warning::MissingTexture {

@@ -4,7 +4,7 @@
 //! path of another machine.
 
 use super::file;
-use super::text::shortened;
+use super::text::shown_path;
 use crate::error::Error;
 use crate::warning::Warning;
 use std::collections::{BTreeMap, HashMap};
@@ -60,13 +60,17 @@ impl Beside {
         let name = name.trim_matches('"');
         let slashed = name.replace('\\', "/");
         let there = |path: PathBuf| std::fs::metadata(&path).is_ok().then_some(path);
-        let plain = there(folder.join(name)).or_else(|| there(folder.join(&slashed)));
-        let last = slashed.rsplit('/').next().unwrap_or(&slashed);
-        let found = plain.clone().or_else(|| {
-            self.in_any_case(&folder, &slashed)
-                .or_else(|| there(folder.join(last)))
-                .or_else(|| self.in_any_case(&folder, last))
-        });
+        let mut plain = there(folder.join(name));
+        if plain.is_none() && slashed != name {
+            plain = there(folder.join(&slashed));
+        }
+        let mut found = plain.clone();
+        if found.is_none() {
+            found = self.in_any_case(&folder, &slashed);
+        }
+        if let (None, Some((_, last))) = (&found, slashed.rsplit_once('/')) {
+            found = there(folder.join(last)).or_else(|| self.in_any_case(&folder, last));
+        }
         let Some(path) = found else {
             return folder.join(slashed);
         };
@@ -77,11 +81,11 @@ impl Beside {
             if odd.first.len() < MOST {
                 let taken = path.strip_prefix(&folder).unwrap_or(&path);
                 odd.first
-                    .push((shortened(name), shortened(&taken.display().to_string())));
+                    .push((shown_path(name), shown_path(&taken.display().to_string())));
             }
         }
         if outside {
-            odd.outside.push(shortened(name));
+            odd.outside.push(shown_path(name));
         }
         path
     }
@@ -141,7 +145,7 @@ impl Beside {
 /// The content of a file that was found, or which it is and why it cannot be read.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, String> {
     file::read(path, file::LARGEST).map_err(|error| {
-        let name = shortened(&path.display().to_string());
+        let name = shown_path(&path.display().to_string());
         match error {
             Error::File { source, .. } => format!("cannot read {name}: {source}"),
             Error::Input { problem, .. } => format!("cannot read {name}: {problem}"),

@@ -158,6 +158,19 @@ pub(super) fn shortened(text: &str) -> String {
     shown
 }
 
+/// A file's name as messages show it: of a long one the end.
+pub(super) fn shown_path(path: &str) -> String {
+    const MOST: usize = 200;
+    let shown: String = path
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    match shown.char_indices().rev().nth(MOST) {
+        Some((at, _)) => format!("...{}", &shown[at..]),
+        None => shown,
+    }
+}
+
 /// A finite number.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     let number: f64 = str::from_utf8(word).ok()?.parse().ok()?;
@@ -176,14 +189,19 @@ pub(super) fn tally(counts: &mut BTreeMap<String, usize>, what: &str, times: usi
 
 /// What is wrong with lines of a file, by kind.
 #[derive(Default)]
-pub(super) struct Faults(Vec<(&'static str, Lines)>);
+pub(super) struct Faults(Vec<Fault>);
+
+/// A kind of fault, its lines, and the last one's number.
+type Fault = (&'static str, Lines, usize);
 
 impl Faults {
     /// Adds a line to those with the same `problem`; `shown` makes the example, which only the first has.
     pub fn add(&mut self, problem: &'static str, number: usize, shown: impl FnOnce() -> String) {
         const FIRST: usize = 5;
-        match self.0.iter_mut().find(|(kind, _)| *kind == problem) {
-            Some((_, lines)) => {
+        match self.0.iter_mut().find(|fault| fault.0 == problem) {
+            Some((.., last)) if *last == number => {}
+            Some((_, lines, last)) => {
+                *last = number;
                 lines.count += 1;
                 if lines.first.len() < FIRST {
                     lines.first.push(number);
@@ -196,19 +214,21 @@ impl Faults {
                     first: vec![number],
                     example: shown(),
                 },
+                number,
             )),
         }
     }
 
     /// The fault on the earliest line.
-    pub fn earliest(&self) -> Option<&(&'static str, Lines)> {
-        self.0.iter().min_by_key(|(_, lines)| lines.first.first())
+    pub fn earliest(&self) -> Option<(&'static str, &Lines)> {
+        let earliest = self.0.iter().min_by_key(|fault| fault.1.first.first());
+        earliest.map(|(problem, lines, _)| (*problem, lines))
     }
 
     pub fn into_warnings(self, file: &str) -> impl Iterator<Item = Warning> {
         self.0
             .into_iter()
-            .map(move |(problem, lines)| Warning::DoubtfulLines {
+            .map(move |(problem, lines, _)| Warning::DoubtfulLines {
                 file: file.to_owned(),
                 lines,
                 problem: problem.to_owned(),
