@@ -83,7 +83,7 @@ fn time_and_memory_grow_with_the_file() {
 
 /// A file with something of everything.
 const GOOD: &str = "# a house\nmtllib m.mtl\no house\nv 0 0 0 1 1 1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
-    vn 0 0 1\nvn 0 1 0\ng walls\ns 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\nf 1 2 3 4\nf -1//2 -2//2 -3//2\nusemtl n\nf 5 2 3\nl 1 2\n";
+    vn 0 0 1\nvn 0 1 0\ng walls\ns 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\nf 1 2 3 4\nf -1//2 -2//2 -5//2\nusemtl n\nf 5 2 3\nl 1 2\n";
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]

@@ -46,6 +46,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         };
         let map = entry.look.diffuse_map.as_ref();
         let map = map.or(entry.look.opacity_map.as_ref());
+        let map = map.filter(|_| made.texture.is_some());
         looks.push(Shown {
             color: entry.look.diffuse.unwrap_or(DVec3::splat(GREY)),
             scale: map.map_or(DVec2::ONE, |map| map.scale),
