@@ -5,7 +5,7 @@
 //! what names it; so does a picture or an MTL file. All of it is said.
 
 use super::assembly::{Assembly, Piece};
-use super::mtl::{Remarks, Shelf};
+use super::mtl::{Entry, Remarks, Shelf};
 use super::mtl_pictures::{Made, Pictures};
 use super::named::{self, Beside, MOST};
 use super::obj_model::{Face, Model, NONE, Run, no_memory};
@@ -44,38 +44,11 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         } else {
             Made::default()
         };
-        let map = entry.look.diffuse_map.as_ref();
-        let map = map.or(entry.look.opacity_map.as_ref());
-        let map = map.filter(|_| made.texture.is_some());
-        looks.push(Shown {
-            color: entry.look.diffuse.unwrap_or(DVec3::splat(GREY)),
-            scale: map.map_or(DVec2::ONE, |map| map.scale),
-            offset: map.map_or(DVec2::ZERO, |map| map.offset),
-            plain: None,
-        });
-        // Where only a picture is named, it is not dimmed.
-        let absent = if made.colored { 1.0 } else { GREY };
-        scene.materials.push(Material {
-            name: entry.name.clone(),
-            base_color: entry.look.diffuse.unwrap_or(DVec3::splat(absent)),
-            texture: made.texture,
-            ..plain(entry.look.opacity, made.pierced)
-        });
+        looks.push(Shown::new(entry, made));
+        scene.materials.push(material(entry, made));
     }
-    let mut builder = Builder {
-        file: &file,
-        bytes,
-        model: &mut model,
-        materials: &mut scene.materials,
-        looks,
-        default: None,
-        assembly: Assembly::default(),
-        piece: Piece::default(),
-        keys: Vec::new(),
-        first: Vec::new(),
-        next: Vec::new(),
-        untextured: 0,
-    };
+
+    let mut builder = Builder::new(&file, bytes, &mut model, &mut scene.materials, looks);
     builder.faces(&uses)?;
     let (assembly, untextured) = (builder.assembly, builder.untextured);
 
@@ -115,6 +88,18 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     warnings.extend(pictures.into_warnings(&file));
     warnings.extend(beside.into_warnings());
     Ok(scene)
+}
+
+/// The material of an entry with the texture that its pictures make.
+fn material(entry: &Entry, made: Made) -> Material {
+    // Where only a picture is named, it is not dimmed.
+    let absent = if made.colored { 1.0 } else { GREY };
+    Material {
+        name: entry.name.clone(),
+        base_color: entry.look.diffuse.unwrap_or(DVec3::splat(absent)),
+        texture: made.texture,
+        ..plain(entry.look.opacity, made.pierced)
+    }
 }
 
 /// A material of that opacity without name, colour and texture.
@@ -248,6 +233,20 @@ struct Shown {
     plain: Option<u32>,
 }
 
+impl Shown {
+    fn new(entry: &Entry, made: Made) -> Self {
+        let map = entry.look.diffuse_map.as_ref();
+        let map = map.or(entry.look.opacity_map.as_ref());
+        let map = map.filter(|_| made.texture.is_some());
+        Shown {
+            color: entry.look.diffuse.unwrap_or(DVec3::splat(GREY)),
+            scale: map.map_or(DVec2::ONE, |map| map.scale),
+            offset: map.map_or(DVec2::ZERO, |map| map.offset),
+            plain: None,
+        }
+    }
+}
+
 /// From faces to pieces.
 struct Builder<'a> {
     file: &'a str,
@@ -267,7 +266,30 @@ struct Builder<'a> {
     untextured: usize,
 }
 
-impl Builder<'_> {
+impl<'a> Builder<'a> {
+    fn new(
+        file: &'a str,
+        bytes: &'a [u8],
+        model: &'a mut Model,
+        materials: &'a mut Vec<Material>,
+        looks: Vec<Shown>,
+    ) -> Self {
+        Builder {
+            file,
+            bytes,
+            model,
+            materials,
+            looks,
+            default: None,
+            assembly: Assembly::default(),
+            piece: Piece::default(),
+            keys: Vec::new(),
+            first: Vec::new(),
+            next: Vec::new(),
+            untextured: 0,
+        }
+    }
+
     /// `uses` has the material of each name.
     fn faces(&mut self, uses: &[Option<usize>]) -> Result<()> {
         let positions = self.model.positions.len();
