@@ -2,7 +2,6 @@
 
 mod common;
 
-use common::files::*;
 use common::obj::*;
 use glam::{DVec3, DVec4};
 use tyndall::scene::{AlphaMode, Scene};
