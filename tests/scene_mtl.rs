@@ -2,7 +2,6 @@
 
 mod common;
 
-use common::files::*;
 use common::obj::*;
 use glam::{DVec2, DVec3};
 use tyndall::scene::{AlphaMode, Scene, Wrap};
