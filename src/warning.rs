@@ -25,6 +25,54 @@ pub enum Warning {
         file: String,
         /// Which file it is and why it cannot be read.
         problem: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// Materials that faces name and no file of materials defines; the faces are grey.
+    UnknownMaterials {
+        /// The scene file.
+        file: String,
+        /// Their names, and the number of faces that name them.
+        materials: BTreeMap<String, usize>,
+    },
+    /// Lines of a text that are left out, or read otherwise than they stand.
+    DoubtfulLines {
+        /// The file.
+        file: String,
+        /// Which lines.
+        lines: Lines,
+        /// What is wrong with all of them, and what was done about it.
+        problem: String,
+    },
+    /// Statements of a text that are not read, with how often each occurs.
+    UnreadStatements {
+        /// The file.
+        file: String,
+        /// Their keywords, and the number of lines that begin with them.
+        statements: BTreeMap<String, usize>,
+    },
+    /// Faces of a textured material that have no texture coordinates; they show its plain colour.
+    UntexturedFaces {
+        /// The scene file.
+        file: String,
+        /// How many.
+        count: usize,
+    },
+    /// Files that are not where or not quite as they are named, and the ones that were taken for them.
+    FoundElsewhere {
+        /// The file that names them.
+        file: String,
+        /// How many.
+        count: usize,
+        /// The first of them: the name, and the file that was taken.
+        first: Vec<(String, String)>,
+    },
+    /// A file that lies outside the folder of the scene that names it.
+    OutsideFolder {
+        /// The scene file.
+        file: String,
+        /// The file that it names.
+        named: String,
     },
     /// A texture that cannot be read; the material is left with its plain colour.
     MissingTexture {
@@ -107,6 +155,28 @@ pub enum Warning {
     PerezFitBreaks,
 }
 
+/// Lines of a text that have something in common.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lines {
+    /// How many.
+    pub count: usize,
+    /// Numbers of the first few, from 1, ascending.
+    pub first: Vec<usize>,
+    /// What the first of them says, shortened.
+    pub example: String,
+}
+
+impl fmt::Display for Lines {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let numbers: Vec<String> = self.first.iter().map(usize::to_string).collect();
+        f.write_str(&numbers.join(", "))?;
+        match self.count.saturating_sub(numbers.len()) {
+            0 => Ok(()),
+            more => write!(f, " and {more} more"),
+        }
+    }
+}
+
 /// A light of a scene file that is not used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnusedLight {
@@ -129,10 +199,18 @@ impl Warning {
     /// What the user can do about it, if there is anything to do.
     pub fn advice(&self) -> Option<&str> {
         match self {
-            Warning::MissingMaterials { .. } => {
-                Some("put the MTL file where the OBJ file names it")
+            Warning::MissingMaterials { remedy, .. } | Warning::MissingTexture { remedy, .. } => {
+                (!remedy.is_empty()).then_some(remedy)
             }
-            Warning::MissingTexture { remedy, .. } => (!remedy.is_empty()).then_some(remedy),
+            Warning::UnknownMaterials { .. } => {
+                Some("define them in an MTL file that a `mtllib` of the OBJ file names")
+            }
+            Warning::DoubtfulLines { .. } => Some("repair the lines, or export the file again"),
+            Warning::UnreadStatements { .. } => Some("export the surfaces as polygons"),
+            Warning::UntexturedFaces { .. } => {
+                Some("give the faces texture coordinates, or a material without a texture")
+            }
+            Warning::OutsideFolder { .. } => Some("look at it if the scene is not your own"),
             Warning::UnsupportedTextureFormat { .. } => {
                 Some("export the scene with PNG or JPEG textures")
             }
@@ -160,7 +238,9 @@ impl Warning {
                 Some("name a sky (--sky perez, or model in [sky]), or leave them out")
             }
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
-            Warning::IgnoredMaterialProperties { .. } | Warning::DegenerateTriangles { .. } => None,
+            Warning::IgnoredMaterialProperties { .. }
+            | Warning::DegenerateTriangles { .. }
+            | Warning::FoundElsewhere { .. } => None,
         }
     }
 }
@@ -168,19 +248,48 @@ impl Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Warning::IgnoredMaterialProperties { file, properties } => {
-                let list: Vec<String> = properties
+            Warning::IgnoredMaterialProperties { file, properties } => write!(
+                f,
+                "{file}: surfaces are Lambertian with their base colour; left out, with how often: {}",
+                with_counts(properties)
+            ),
+            Warning::MissingMaterials { file, problem, .. } => {
+                write!(f, "{file}: {problem}; its materials left out")
+            }
+            Warning::UnknownMaterials { file, materials } => write!(
+                f,
+                "{file}: no file of materials defines these, with how many faces name them: {}; the faces are grey",
+                with_counts(materials)
+            ),
+            Warning::DoubtfulLines {
+                file,
+                lines,
+                problem,
+            } => write!(f, "{file}:{lines}: {problem} (`{}`)", lines.example),
+            Warning::UnreadStatements { file, statements } => write!(
+                f,
+                "{file}: statements that are not read, with how often: {}",
+                with_counts(statements)
+            ),
+            Warning::UntexturedFaces { file, count } => write!(
+                f,
+                "{file}: {} of textured materials without texture coordinates; plain colour there",
+                counted(*count, "face")
+            ),
+            Warning::FoundElsewhere { file, count, first } => {
+                let list: Vec<String> = first
                     .iter()
-                    .map(|(what, n)| format!("{what} ({n})"))
+                    .map(|(named, taken)| format!("{taken} taken for {named}"))
                     .collect();
                 write!(
                     f,
-                    "{file}: surfaces are Lambertian with their base colour; left out, with how often: {}",
+                    "{file}: not there as named: {} ({})",
+                    counted(*count, "file"),
                     list.join(", ")
                 )
             }
-            Warning::MissingMaterials { file, problem } => {
-                write!(f, "{file}: {problem}; its materials left out")
+            Warning::OutsideFolder { file, named } => {
+                write!(f, "{file} names {named}, which lies outside its folder")
             }
             Warning::MissingTexture { problem, .. } => write!(f, "{problem}; texture left out"),
             Warning::UnsupportedTextureFormat { place, extensions } => write!(
@@ -273,6 +382,15 @@ impl Serialize for Warning {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
+}
+
+/// `Ks (3), map_Bump (1)`.
+fn with_counts(counts: &BTreeMap<String, usize>) -> String {
+    let list: Vec<String> = counts
+        .iter()
+        .map(|(what, n)| format!("{what} ({n})"))
+        .collect();
+    list.join(", ")
 }
 
 /// `1 triangle`, `2 triangles`.

@@ -214,8 +214,9 @@ fn survives_damage(folder: &Folder, name: &str, good: &[u8], rounds: usize) {
             ),
         }
     }
+    // Damage to an OBJ file costs lines, seldom the file.
     assert!(
-        refused > rounds / 8,
+        refused > rounds / 8 || name.ends_with(".obj") && refused > 0,
         "{name}: the damage does no harm: {loaded} load, {refused} do not"
     );
 }

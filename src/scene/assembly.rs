@@ -163,41 +163,6 @@ impl Assembly {
     }
 }
 
-/// Splits a simple polygon, convex or not, into triangles by cutting ears in the plane of its area vector.
-///
-/// The triangles keep its winding. A polygon that crosses itself still gives `corners.len() - 2` triangles.
-pub(super) fn triangulate(positions: &[DVec3], corners: &[u32]) -> Vec<[u32; 3]> {
-    let at = |v: u32| positions[v as usize];
-    let mut left = corners.to_vec();
-    let mut triangles = Vec::with_capacity(corners.len().saturating_sub(2));
-    let origin = corners.first().map_or(DVec3::ZERO, |&v| at(v));
-    let normal: DVec3 = (0..corners.len())
-        .map(|i| (at(corners[i]) - origin).cross(at(corners[(i + 1) % corners.len()]) - origin))
-        .sum();
-    let turn = |a: u32, b: u32, c: u32| (at(b) - at(a)).cross(at(c) - at(b)).dot(normal);
-    while left.len() > 3 {
-        let n = left.len();
-        let ear = (0..n).find(|&i| {
-            let (a, b, c) = (left[(i + n - 1) % n], left[i], left[(i + 1) % n]);
-            turn(a, b, c) > 0.0
-                && !left.iter().any(|&p| {
-                    ![a, b, c].iter().any(|&v| at(v) == at(p))
-                        && turn(a, b, p) >= 0.0
-                        && turn(b, c, p) >= 0.0
-                        && turn(c, a, p) >= 0.0
-                })
-        });
-        // Without an ear (no area, or it crosses itself) any corner will do.
-        let i = ear.unwrap_or(1);
-        triangles.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
-        left.remove(i);
-    }
-    if let [a, b, c] = left[..] {
-        triangles.push([a, b, c]);
-    }
-    triangles
-}
-
 /// Decodes a PNG or JPEG; the error says what is wrong with it.
 ///
 /// Decoders of other people's formats may panic on damaged files; that must not end the caller.
@@ -225,34 +190,6 @@ pub(super) fn decode_image(name: &str, bytes: &[u8], wrap: [Wrap; 2]) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn concave_polygon_keeps_its_area() {
-        // An L of area 3; a fan from its first corner would cover the notch.
-        let outline = [
-            (2.0, 0.0),
-            (2.0, 1.0),
-            (1.0, 1.0),
-            (1.0, 2.0),
-            (0.0, 2.0),
-            (0.0, 0.0),
-        ];
-        let positions: Vec<_> = outline
-            .iter()
-            .map(|&(x, y)| DVec3::new(x, y, 5.0))
-            .collect();
-        for start in 0..6u32 {
-            let corners: Vec<u32> = (0..6).map(|i| (i + start) % 6).collect();
-            let triangles = triangulate(&positions, &corners);
-            assert_eq!(triangles.len(), 4);
-            let areas = triangles.iter().map(|t| {
-                let [a, b, c] = t.map(|v| positions[v as usize]);
-                (b - a).cross(c - a).z / 2.0
-            });
-            assert!(areas.clone().all(|a| a > 0.0));
-            assert_eq!(areas.sum::<f64>(), 3.0);
-        }
-    }
 
     #[test]
     fn a_mirror_keeps_the_front_in_front() {

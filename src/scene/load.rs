@@ -24,10 +24,19 @@ pub const BUILTIN: [&str; 1] = ["nave"];
 /// is not a scene, is damaged, has no triangles, or holds a key or a value that is not valid. What can be left out (a
 /// texture that cannot be read, triangles without an area) is reported in [`Scene::warnings`] instead.
 pub fn load(path: &Path) -> Result<Scene> {
-    let bytes = file::read(path, file::LARGEST)?;
-    let mut scene = match FileKind::of(path, &bytes)? {
+    from_bytes(path, &file::read(path, file::LARGEST)?)
+}
+
+/// Reads a scene that is in memory already: `bytes` are the content of `path`, which need not exist.
+///
+/// The name tells the kind, and where the files are that the scene names, as for [`load`].
+///
+/// # Errors
+/// Those of [`load`].
+pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Scene> {
+    let mut scene = match FileKind::of(path, bytes)? {
         FileKind::Toml => {
-            let text = str::from_utf8(&bytes).map_err(|e| {
+            let text = str::from_utf8(bytes).map_err(|e| {
                 let line = 1 + bytes[..e.valid_up_to()]
                     .iter()
                     .filter(|&&b| b == b'\n')
@@ -45,7 +54,7 @@ pub fn load(path: &Path) -> Result<Scene> {
                 load_mesh(&mesh, &bytes)
             })?
         }
-        _ => load_mesh(path, &bytes)?,
+        _ => load_mesh(path, bytes)?,
     };
     scene.name = path
         .file_name()

@@ -14,7 +14,13 @@ pub mod geometry;
 mod gltf;
 mod gltf_document;
 mod load;
+mod mtl;
+mod mtl_pictures;
+mod named;
 mod obj;
+mod obj_model;
+mod polygon;
+mod text;
 mod toml;
 pub mod tree;
 
@@ -24,7 +30,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 pub use camera::{Camera, Projection, Ray};
 pub use geometry::{Geometry, Hit};
-pub use load::{BUILTIN, load};
+pub use load::{BUILTIN, from_bytes, load};
 pub use toml::schema;
 
 /// Everything that a user can say about a scene.

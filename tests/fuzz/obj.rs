@@ -1,0 +1,11 @@
+//! Any bytes as an OBJ file, with an MTL file and a picture beside it.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use tyndall::scene::from_bytes;
+
+fuzz_target!(|bytes: &[u8]| {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/beside/a.obj");
+    let _ = from_bytes(path.as_ref(), bytes);
+});
