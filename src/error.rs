@@ -66,7 +66,7 @@ impl Error {
     ) -> Self {
         Error::Domain {
             quantity: quantity.into(),
-            value: value.to_string(),
+            value: short_numbers(&value.to_string()),
             valid: valid.into(),
             remedy: remedy.into(),
         }
@@ -80,7 +80,7 @@ impl Error {
     ) -> Self {
         Error::Input {
             place: place.into(),
-            problem: problem.into(),
+            problem: short_numbers(&problem.into()),
             remedy: remedy.into(),
         }
     }
@@ -152,6 +152,25 @@ impl Error {
     }
 }
 
+/// A message in which no number is longer than a person reads: such ones get an exponent and seven digits.
+fn short_numbers(text: &str) -> String {
+    const LONGEST: usize = 24;
+    let is_part = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    let mut short = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(is_part) {
+        let (before, from) = rest.split_at(start);
+        let (number, after) = from.split_at(from.find(|c| !is_part(c)).unwrap_or(from.len()));
+        short += before;
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > LONGEST => short += &format!("{value:.6e}"),
+            _ => short += number,
+        }
+        rest = after;
+    }
+    short + rest
+}
+
 /// The candidate that a misspelt word most likely stands for, if any is near.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
@@ -160,4 +179,21 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(score, _)| *score > 0.7)
         .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_number_of_three_hundred_digits() {
+        let vector = format!("[{}, -0.25, {}]", -f64::MIN_POSITIVE, f64::MAX);
+        assert_eq!(
+            Error::domain("it", vector, "any", "").problem(),
+            "it is [-2.225074e-308, -0.25, 1.797693e308], outside any"
+        );
+        for text in ["2026-06-21T18:30:00+02:00", "a-b.c", "1.5", "é 0.1"] {
+            assert_eq!(short_numbers(text), text);
+        }
+    }
 }

@@ -12,9 +12,10 @@ mod file;
 pub mod framing;
 pub mod geometry;
 mod gltf;
-mod gltf_document;
+mod hints;
 mod load;
 mod obj;
+pub mod placement;
 mod toml;
 
 use crate::medium::{ClearAir, Medium};
@@ -23,7 +24,8 @@ use glam::{DVec2, DVec3, DVec4};
 
 pub use camera::{Camera, Projection, Ray};
 pub use geometry::{Geometry, Hit};
-pub use load::{BUILTIN, load};
+pub use load::{BUILTIN, load, load_placed};
+pub use placement::{Placement, Up};
 pub use toml::schema;
 
 /// Everything that a user can say about a scene.
