@@ -66,6 +66,31 @@ impl Assembly {
         self.odd_attributes += count;
     }
 
+    /// An error for more copies of `piece` than a file of this size may hold.
+    pub fn check_room(
+        &self,
+        piece: &Piece,
+        copies: usize,
+        place: &dyn Fn() -> String,
+    ) -> Result<()> {
+        let most = self.most.unwrap_or(usize::MAX);
+        let beyond = |present: usize, more: usize| {
+            more.saturating_mul(copies).saturating_add(present) > most
+        };
+        if beyond(self.mesh.positions.len(), piece.positions.len())
+            || beyond(self.mesh.triangles.len(), piece.triangles.len())
+        {
+            return Err(Error::input(
+                place(),
+                format!(
+                    "with it the scene has more vertices or triangles than a file of its size may hold ({most})"
+                ),
+                "use fewer instances",
+            ));
+        }
+        Ok(())
+    }
+
     /// Adds `piece`, moved by `to_scene`. A mirroring transform turns the winding, so that front sides stay in front.
     ///
     /// `place` names the piece in errors: a position that is not finite, an index beyond the vertices.
@@ -91,21 +116,7 @@ impl Assembly {
                 )
             })?;
 
-        let beyond = |present: usize, more: usize| {
-            self.most
-                .is_some_and(|most| present.saturating_add(more) > most)
-        };
-        if beyond(base as usize, count) || beyond(self.mesh.triangles.len(), piece.triangles.len())
-        {
-            return Err(Error::input(
-                place(),
-                format!(
-                    "with it the scene has more vertices or triangles than a file of its size may hold ({})",
-                    self.most.unwrap_or_default()
-                ),
-                "use fewer instances",
-            ));
-        }
+        self.check_room(piece, 1, place)?;
         // Memory that is not there is an error, not the end of the program.
         let mesh = &mut self.mesh;
         let colored = !piece.colors.is_empty() || !mesh.colors.is_empty();

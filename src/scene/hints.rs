@@ -11,8 +11,10 @@ use glam::DVec3;
 const TOO_HIGH: f64 = 500.0;
 /// Width of a whole model below which no scene lies [m].
 const TOO_SMALL: f64 = 0.03;
-/// Share of steep triangles below which a high model is a terrain.
+/// Share of triangles that are steep or face the other way than most, below which a high model is a terrain.
 const TERRAIN: f64 = 0.1;
+/// Height of single steep triangles above which they belong to no tree and to few houses [m].
+const TALL: f64 = 100.0;
 /// Extents above which nothing stands that is thin [m].
 const WALL: f64 = 300.0;
 /// Triangles from which on a model has a shape that can be judged.
@@ -28,8 +30,10 @@ struct Shape {
     bulk: DVec3,
     /// Share of the area that faces along each axis, within 18 degrees.
     facing: DVec3,
-    /// Share of triangles that are steeper than 78 degrees, for each axis as the vertical.
-    steep: DVec3,
+    /// Share of triangles that are steeper than 78 degrees or face the other way than most, for each axis as the vertical.
+    rugged: DVec3,
+    /// Height that a hundredth of the steep triangles exceed, for each axis as the vertical [m].
+    tallest: DVec3,
     triangles: usize,
 }
 
@@ -64,33 +68,45 @@ impl Shape {
         let (low, high) = mesh.bounds()?;
         let count = mesh.triangles.len();
         let corners = |t: &Triangle| t.vertices.map(|v| mesh.positions[v as usize]);
-        let (mut facing, mut steep, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        let (mut facing, mut up, mut down, mut area) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
+        let mut steep: [Vec<f64>; 3] = Default::default();
         for triangle in &mesh.triangles {
             let [a, b, c] = corners(triangle);
             let cross = (b - a).cross(c - a);
             let doubled = cross.length();
-            if doubled > 0.0 && doubled.is_finite() {
-                let normal = (cross / doubled).abs();
-                let mark = |yes: glam::BVec3| DVec3::select(yes, DVec3::ONE, DVec3::ZERO);
-                area += doubled;
-                facing += doubled * mark(normal.cmpgt(DVec3::splat(0.95)));
-                steep += mark(normal.cmplt(DVec3::splat(0.2)));
+            if !(doubled > 0.0 && doubled.is_finite()) {
+                continue;
+            }
+            let normal = cross / doubled;
+            let mark = |yes: glam::BVec3| DVec3::select(yes, DVec3::ONE, DVec3::ZERO);
+            area += doubled;
+            facing += doubled * mark(normal.abs().cmpgt(DVec3::splat(0.95)));
+            up += mark(normal.cmpgt(DVec3::splat(0.2)));
+            down += mark(normal.cmplt(DVec3::splat(-0.2)));
+            let height = a.max(b).max(c) - a.min(b).min(c);
+            for (axis, steep) in steep.iter_mut().enumerate() {
+                if normal[axis].abs() <= 0.2 {
+                    steep.push(height[axis]);
+                }
             }
         }
-        let outer = count / 20;
-        let mut bulk = DVec3::ZERO;
-        for axis in 0..3 {
+        let (outer, mut bulk, mut tallest) = (count / 20, DVec3::ZERO, DVec3::ZERO);
+        let mut rugged = up.min(down);
+        for (axis, steep) in steep.iter_mut().enumerate() {
             let middle = |t: &Triangle| corners(t).iter().map(|p| p[axis]).sum::<f64>() / 3.0;
             let mut along: Vec<f64> = mesh.triangles.iter().map(middle).collect();
-            let mut at = |rank| *along.select_nth_unstable_by(rank, f64::total_cmp).1;
-            bulk[axis] = at(count - 1 - outer) - at(outer);
+            bulk[axis] = ranked(&mut along, count - 1 - outer) - ranked(&mut along, outer);
+            rugged[axis] += steep.len() as f64;
+            let most = steep.len().saturating_sub(1 + steep.len() / 100);
+            tallest[axis] = ranked(steep, most);
         }
         (area > 0.0).then(|| Shape {
             low: low - origin,
             high: high - origin,
             bulk,
             facing: facing / area,
-            steep: steep / count as f64,
+            rugged: rugged / count as f64,
+            tallest,
             triangles: count,
         })
     }
@@ -98,7 +114,7 @@ impl Shape {
     /// Metres in a unit, where metres would be out of all proportion; `up` is the axis that points up.
     fn likely_scale(&self, up: usize) -> Option<f64> {
         let height = self.bulk[up];
-        if height > TOO_HIGH && self.steep[up] > TERRAIN {
+        if height > TOO_HIGH && self.rugged[up] > TERRAIN && self.tallest[up] > TALL {
             return Some(if height < 3.0 * TOO_HIGH { 0.01 } else { 0.001 });
         }
         let widest = (self.high - self.low).max_element();
@@ -125,4 +141,14 @@ impl Shape {
         let stands = below.z.abs() < 0.3 && below.y > 0.35;
         level && stands || z > y && exact
     }
+}
+
+/// The value of that rank, from the least; the greatest for a rank beyond, 0 without any.
+fn ranked(values: &mut [f64], rank: usize) -> f64 {
+    let Some(last) = values.len().checked_sub(1) else {
+        return 0.0;
+    };
+    *values
+        .select_nth_unstable_by(rank.min(last), f64::total_cmp)
+        .1
 }

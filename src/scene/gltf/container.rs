@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::notes::{Notes, shown};
-use super::{audit, uri};
+use super::{audit, extension, uri};
 use crate::error::{Error, Result};
 use crate::scene::file;
 use crate::warning::Warning;
@@ -55,6 +55,22 @@ impl<'a> Gltf<'a> {
         audit::audit(path, &serde_json::from_slice(json).map_err(wrong)?, notes)?;
         let json: Document = serde_json::from_slice(json).map_err(wrong)?;
 
+        let least = json.asset.min_version.as_deref();
+        let least = least.filter(|least| *least != "2.0");
+        let version = least.unwrap_or(&json.asset.version);
+        if least.is_some() || !version.starts_with("2.") {
+            return Err(Error::input(
+                format!("{}, asset.version", path.display()),
+                match version {
+                    "" => "there is none: this is not a glTF file".to_owned(),
+                    other => format!(
+                        "it is glTF {}, which this program does not read",
+                        shown(other)
+                    ),
+                },
+                "export the scene as glTF 2.0",
+            ));
+        }
         let mut gltf = Gltf {
             path: path.to_owned(),
             json,
@@ -188,13 +204,13 @@ impl<'a> Gltf<'a> {
         let place = format!("bufferViews[{index}]");
         let Some((source, length)) = *self.get(&self.buffers, "buffers", view.buffer, &place)?
         else {
+            let buffer = self.get(&self.json.buffers, "buffers", view.buffer, &place)?;
+            let names = buffer.extensions.keys().map(|name| extension::named(name));
+            let names: Vec<String> = names.collect();
             return Err(self.error(
                 place,
-                format!(
-                    "its data is compressed, and buffers[{}] holds no plain copy",
-                    view.buffer
-                ),
-                "export the scene without compression (meshopt)",
+                format!("its data is there only as {}", names.join(", ")),
+                "export the scene without compression",
             ));
         };
         let buffer = &self.sources[source][..length];

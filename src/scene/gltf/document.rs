@@ -67,7 +67,9 @@ json! {
     Orthographic { ymag: f64 }
     /// KHR_lights_punctual of the root.
     Lights { lights: Vec<Light> }
-    Light { name: Option<String>, color: Option<[f64; 3]>, intensity: Option<f64>, r#type: String, spot: Spot }
+    Light { name: Option<String>, color: Option<[f64; 3]>, intensity: Option<f64>, r#type: String, spot: Spot,
+        range: Option<f64>,
+    }
     Spot { inner_cone_angle: Option<f64>, outer_cone_angle: Option<f64> }
     /// KHR_lights_punctual of a node.
     LightRef { light: usize }

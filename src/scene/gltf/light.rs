@@ -30,6 +30,9 @@ pub(super) fn of_node(
         return Ok(None);
     };
     let entry = gltf.get(lights, "lights", index, place)?;
+    if entry.range.is_some() {
+        notes.leave_out("range of a lamp");
+    }
     let name = node.name.as_ref().or(entry.name.as_ref());
     let name = name.cloned().unwrap_or_else(|| format!("light {index}"));
     let lamp = lamp(entry, name, to_scene);

@@ -123,6 +123,7 @@ impl Meshes<'_> {
                 }
                 notes.leave_out("skin of a primitive that is not bound to joints");
             }
+            self.assembly.check_room(&piece, instances.len(), &full)?;
             for instance in &instances {
                 self.assembly.add(&piece, to_scene * *instance, &full)?;
             }

@@ -38,8 +38,14 @@ pub(super) fn read(
     let positions = gltf.triples(all, "POSITION", &by)?.unwrap_or_default();
     let normals = gltf.triples(all, "NORMAL", &by)?.unwrap_or_default();
     let colors = colors(gltf, all, &by, 1.0)?.unwrap_or_default();
-    let material = primitive.material.unwrap_or(materials.uses.len() - 1);
-    let used = *gltf.get(&materials.uses, "materials", material, place)?;
+    let material = match primitive.material {
+        Some(index) => {
+            gltf.get(&gltf.json.materials, "materials", index, place)?;
+            index
+        }
+        None => materials.list.len() - 1,
+    };
+    let used = materials.uses[material];
     let set = format!("TEXCOORD_{}", used.map_or(0, |used| used.set));
     let uvs = match used {
         Some(_) => pairs(gltf, all, &set, &by)?.unwrap_or_default(),
