@@ -6,9 +6,10 @@ use super::{Mesh, Texture, Triangle, Wrap};
 use crate::error::{Error, Result};
 use crate::warning::Warning;
 use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
+use image::ImageDecoder;
 
 /// A piece of geometry in axes of its own. `normals`, `uvs` and `colors` are empty or as long as `positions`.
-#[derive(Default)]
+#[derive(Default, Clone)]
 pub(super) struct Piece {
     pub positions: Vec<DVec3>,
     pub normals: Vec<DVec3>,
@@ -275,15 +276,36 @@ pub(super) fn triangulate(positions: &[DVec3], corners: &[u32]) -> Vec<[u32; 3]>
     triangles
 }
 
+/// Texels that a picture may have ...
+const MOST_TEXELS: u64 = 1 << 26;
+/// ... and as many more for each of its bytes: no more than a picture of one colour compresses to.
+const TEXELS_A_BYTE: u64 = 256;
+
+/// Texels that pictures of so many bytes may have.
+pub(super) fn most_texels(bytes: usize) -> u64 {
+    MOST_TEXELS.saturating_add(TEXELS_A_BYTE.saturating_mul(bytes as u64))
+}
+
 /// Decodes a PNG or JPEG; the error says what is wrong with it.
 ///
 /// Decoders of other people's formats may panic on damaged files; that must not end the caller.
 pub(super) fn decode_image(name: &str, bytes: &[u8], wrap: [Wrap; 2]) -> Result<Texture, String> {
+    let most = most_texels(bytes.len());
     let decode = || {
-        let reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
             .with_guessed_format()
             .map_err(|e| e.to_string())?;
-        Ok(reader.decode().map_err(|e| e.to_string())?.to_rgba8())
+        // Sixteen bits in each of four channels, once.
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(most.saturating_mul(8));
+        reader.limits(limits);
+        let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+        let (width, height) = decoder.dimensions();
+        if u64::from(width) * u64::from(height) > most {
+            return Err(format!("{width} x {height} pixels are more than {most}"));
+        }
+        let picture = image::DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
+        Ok(picture.into_rgba8())
     };
     let picture = std::panic::catch_unwind(decode)
         .unwrap_or_else(|_| Err("the picture is damaged".to_owned()))?;

@@ -4,12 +4,13 @@ use super::container::Gltf;
 use super::document::{MaterialEntry, SpecularGlossiness, TextureRef, TextureTransform};
 use super::notes::{Notes, number, shown};
 use crate::error::Result;
-use crate::scene::assembly::decode_image;
+use crate::scene::assembly::{decode_image, most_texels};
 use crate::scene::{AlphaMode, Material, Texture, Wrap};
 use crate::warning::Warning;
 use glam::{DVec2, DVec3};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// The materials of a file, and last the one of surfaces without any.
@@ -94,7 +95,9 @@ struct Pictures {
     textures: Vec<Texture>,
     /// Image and wrapping -> texture of the scene; `None` for one that could not be read.
     known: BTreeMap<(usize, [u8; 2]), Option<usize>>,
-    texels: usize,
+    texels: u64,
+    /// Of files beside the scene's.
+    bytes: usize,
 }
 
 struct Reader<'a, 'b> {
@@ -302,32 +305,28 @@ impl Reader<'_, '_> {
                 let own = if inside { place.clone() } else { shown(uri) };
                 (
                     name.filter(|_| inside).unwrap_or(own),
-                    gltf.fetch(uri, &place, self.notes),
+                    gltf.fetch(uri, &place, self.notes).map(Cow::Owned),
                 )
             }
             (None, Some(view)) => (
                 name.unwrap_or_else(|| place.clone()),
-                gltf.view(view, &place).map(<[u8]>::to_vec),
+                gltf.view(view, &place).map(Cow::Borrowed),
             ),
             (None, None) => (
                 place.clone(),
                 Err(gltf.error(&place, "it names no picture", "export the scene again")),
             ),
         };
-        let most = MOST_TEXELS.saturating_add(
-            TEXELS_A_BYTE.saturating_mul(
-                gltf.size()
-                    .saturating_add(bytes.as_ref().map_or(0, Vec::len)),
-            ),
-        );
+        let most = most_texels(gltf.size().saturating_add(self.pictures.bytes));
         let picture = bytes.and_then(|bytes| {
             let wrong = |problem| gltf.error(&place, problem, "save the picture as PNG or JPEG");
-            let picture = decode_image(&name, &bytes, wraps).map_err(wrong)?;
-            self.pictures.texels = self.pictures.texels.saturating_add(picture.pixels.len());
+            let many = format!("the pictures have more than {most} pixels");
             if self.pictures.texels > most {
-                let problem = format!("the pictures have more than {most} pixels");
-                return Err(gltf.error(&place, problem, "use smaller pictures"));
+                return Err(gltf.error(&place, many, "use smaller pictures"));
             }
+            let picture = decode_image(&name, &bytes, wraps).map_err(wrong)?;
+            self.pictures.bytes = self.pictures.bytes.saturating_add(bytes.len());
+            self.pictures.texels += picture.pixels.len() as u64;
             Ok(picture)
         });
         let texture = match picture {
@@ -350,8 +349,3 @@ impl Reader<'_, '_> {
         Ok(texture)
     }
 }
-
-/// The pictures of a file may have this many texels ...
-const MOST_TEXELS: usize = 1 << 26;
-/// ... and as many more for each of its bytes: no more than a picture of one colour compresses to.
-const TEXELS_A_BYTE: usize = 256;

@@ -24,7 +24,7 @@ mod tree;
 mod uri;
 
 use super::Scene;
-use super::assembly::Assembly;
+use super::assembly::{Assembly, Piece};
 use crate::error::Result;
 use camera::Cameras;
 use container::Gltf;
@@ -33,7 +33,9 @@ use glam::DAffine3;
 use material::Materials;
 use notes::{Notes, shown};
 use skin::Skin;
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::rc::Rc;
 use tree::Tree;
 
 /// Reads `bytes`, the content of `path`.
@@ -50,6 +52,8 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         tree: &tree,
         materials: &materials,
         assembly: Assembly::of_file(bytes.len().saturating_add(gltf.size())),
+        skins: BTreeMap::new(),
+        pieces: BTreeMap::new(),
     };
     for &(index, seen) in &tree.nodes {
         let node = &gltf.json.nodes[index];
@@ -89,7 +93,13 @@ struct Meshes<'a> {
     tree: &'a Tree,
     materials: &'a Materials,
     assembly: Assembly,
+    /// What several nodes share, read once.
+    skins: BTreeMap<usize, Rc<Skin>>,
+    pieces: BTreeMap<usize, Rc<Pieces>>,
 }
+
+/// The primitives of a mesh that have triangles: number, name, triangles.
+type Pieces = Vec<(usize, String, Piece)>;
 
 impl Meshes<'_> {
     /// Adds a node's mesh, in each of its places.
@@ -99,23 +109,17 @@ impl Meshes<'_> {
             return Ok(());
         };
         let entry = gltf.get(&gltf.json.meshes, "meshes", mesh, by)?;
-        let skin = node.skin.map(|skin| Skin::read(gltf, self.tree, skin, by));
-        let skin = skin.transpose()?;
+        let skin = node.skin.map(|skin| self.skin(skin, by)).transpose()?;
         let instances = instances::read(gltf, node, by, notes)?;
-        let weights = node.weights.as_ref().unwrap_or(&entry.weights);
-        let named = entry.name.as_deref().map(|n| format!(" ({})", shown(n)));
-        for (i, primitive) in entry.primitives.iter().enumerate() {
-            let named = named.as_deref().unwrap_or("");
-            let place = format!("meshes[{mesh}]{named}.primitives[{i}]");
-            let read = piece::read(gltf, primitive, weights, self.materials, &place, notes)?;
-            let Some(mut piece) = read else {
-                continue;
-            };
-            let full = || gltf.at(&place);
+        let pieces = self.pieces(mesh, node, notes)?;
+        for (i, place, piece) in pieces.iter() {
+            let full = || gltf.at(place);
             if let Some(skin) = &skin {
-                if let Some(unbound) = skin.pose(gltf, primitive, &mut piece, &place)? {
+                let mut posed = piece.clone();
+                let primitive = &entry.primitives[*i];
+                if let Some(unbound) = skin.pose(gltf, primitive, &mut posed, place)? {
                     self.assembly.count_odd(unbound);
-                    self.assembly.add(&piece, DAffine3::IDENTITY, &full)?;
+                    self.assembly.add(&posed, DAffine3::IDENTITY, &full)?;
                     if node.extensions.contains_key(instances::NAME) {
                         notes.leave_out("instances of a mesh with a skin");
                     }
@@ -123,11 +127,46 @@ impl Meshes<'_> {
                 }
                 notes.leave_out("skin of a primitive that is not bound to joints");
             }
-            self.assembly.check_room(&piece, instances.len(), &full)?;
+            self.assembly.check_room(piece, instances.len(), &full)?;
             for instance in &instances {
-                self.assembly.add(&piece, to_scene * *instance, &full)?;
+                self.assembly.add(piece, to_scene * *instance, &full)?;
             }
         }
         Ok(())
+    }
+
+    fn skin(&mut self, index: usize, by: &str) -> Result<Rc<Skin>> {
+        if let Some(known) = self.skins.get(&index) {
+            return Ok(known.clone());
+        }
+        let skin = Rc::new(Skin::read(self.gltf, self.tree, index, by)?);
+        self.skins.insert(index, skin.clone());
+        Ok(skin)
+    }
+
+    /// The primitives of a mesh as a node morphs them; kept if it does so by the mesh's own weights and others may follow.
+    fn pieces(&mut self, mesh: usize, node: &Node, notes: &mut Notes) -> Result<Rc<Pieces>> {
+        if let (None, Some(known)) = (&node.weights, self.pieces.get(&mesh)) {
+            return Ok(known.clone());
+        }
+        let gltf = self.gltf;
+        let entry = &gltf.json.meshes[mesh];
+        let weights = node.weights.as_ref().unwrap_or(&entry.weights);
+        let named = entry.name.as_deref().map(|n| format!(" ({})", shown(n)));
+        let named = named.as_deref().unwrap_or("");
+        let mut pieces = Vec::new();
+        for (i, primitive) in entry.primitives.iter().enumerate() {
+            let place = format!("meshes[{mesh}]{named}.primitives[{i}]");
+            let piece = piece::read(gltf, primitive, weights, self.materials, &place, notes)?;
+            if let Some(piece) = piece {
+                self.assembly.check_room(&piece, 1, &|| gltf.at(&place))?;
+                pieces.push((i, place, piece));
+            }
+        }
+        let pieces = Rc::new(pieces);
+        if node.weights.is_none() && self.tree.shared.contains(&mesh) {
+            self.pieces.insert(mesh, pieces.clone());
+        }
+        Ok(pieces)
     }
 }

@@ -81,7 +81,7 @@ impl Skin {
         }
         let mut unbound = 0;
         let mut mirrored = vec![false; count];
-        for v in 0..count {
+        for (v, mirrored) in mirrored.iter_mut().enumerate() {
             let bound: Vec<(f64, f64)> = sets
                 .iter()
                 .flat_map(|set| {
@@ -112,7 +112,7 @@ impl Skin {
                 linear += carried.matrix3 * (weight / total);
                 shift += carried.translation * (weight / total);
             }
-            mirrored[v] = linear.determinant() < 0.0;
+            *mirrored = linear.determinant() < 0.0;
             piece.positions[v] = linear * piece.positions[v] + shift;
             if let Some(normal) = piece.normals.get_mut(v) {
                 *normal = cofactors(linear) * *normal;

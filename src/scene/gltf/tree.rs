@@ -5,11 +5,14 @@ use super::document::{Lod, Node, Visibility};
 use super::material::extension;
 use crate::error::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use std::collections::BTreeSet;
 
 /// The nodes of the scene, and where all nodes of the file stand.
 pub(super) struct Tree {
     /// The scene's nodes in the file's order, and whether each is seen.
     pub nodes: Vec<(usize, bool)>,
+    /// Meshes that several nodes have.
+    pub shared: BTreeSet<usize>,
     /// The node above each, of all nodes of the file.
     parents: Vec<Option<usize>>,
     /// From the axes of each node that is in the scene to those of the scene.
@@ -30,6 +33,7 @@ impl Tree {
         }
         let mut tree = Tree {
             nodes: Vec::new(),
+            shared: BTreeSet::new(),
             to_scene: vec![None; nodes.len()],
             parents,
         };
@@ -58,6 +62,13 @@ impl Tree {
             let children = node.children.iter().rev();
             stack.extend(children.map(|&child| (child, Some(index), seen)));
         }
+        tree.beside(gltf);
+        let mut met = BTreeSet::new();
+        let meshes = tree
+            .nodes
+            .iter()
+            .filter_map(|&(index, _)| nodes[index].mesh);
+        tree.shared = meshes.filter(|mesh| !met.insert(*mesh)).collect();
         Ok(tree)
     }
 
@@ -87,26 +98,35 @@ impl Tree {
         Ok((0..json.nodes.len()).filter(|&n| is_root[n]).collect())
     }
 
+    /// Finds where the nodes beside the scene stand: skeletons may. One that stands nowhere is an error only if it is needed.
+    fn beside(&mut self, gltf: &Gltf) {
+        let nodes = &gltf.json.nodes;
+        let roots = (0..nodes.len()).filter(|&n| self.parents[n].is_none());
+        let mut open: Vec<usize> = roots.collect();
+        let mut met = vec![false; nodes.len()];
+        while let Some(index) = open.pop() {
+            let node = &nodes[index];
+            if std::mem::replace(&mut met[index], true) {
+                continue;
+            }
+            if self.to_scene[index].is_none() {
+                let above = self.parents[index].and_then(|parent| self.to_scene[parent]);
+                let own = transform(gltf, node, "").ok();
+                self.to_scene[index] = own.map(|own| above.unwrap_or(DAffine3::IDENTITY) * own);
+            }
+            // Each node once, by the parent that is held to be its own.
+            let children = node.children.iter().copied();
+            open.extend(children.filter(|&child| self.parents.get(child) == Some(&Some(index))));
+        }
+    }
+
     /// From the axes of a node to those of the scene, whether it is in the scene or, like some skeletons, beside it.
     pub fn to_scene(&self, gltf: &Gltf, index: usize, by: &str) -> Result<DAffine3> {
-        let mut below = DAffine3::IDENTITY;
-        let mut at = Some(index);
-        for _ in 0..=self.parents.len() {
-            let Some(node) = at else {
-                return Ok(below);
-            };
-            gltf.get(&gltf.json.nodes, "nodes", node, by)?;
-            if let Some(known) = self.to_scene[node] {
-                return Ok(known * below);
-            }
-            below = transform(gltf, &gltf.json.nodes[node], &format!("nodes[{node}]"))? * below;
-            at = self.parents[node];
-        }
-        Err(gltf.error(
-            by,
-            format!("nodes[{index}] is below itself"),
-            "export the scene again",
-        ))
+        let known = *gltf.get(&self.to_scene, "nodes", index, by)?;
+        known.ok_or_else(|| {
+            let problem = format!("nodes[{index}] stands nowhere, or below itself");
+            gltf.error(by, problem, "export the scene again")
+        })
     }
 }
 
