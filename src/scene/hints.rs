@@ -3,7 +3,7 @@
 //! Only what nobody gave is doubted, and only for reasons that right models do not give: large terrains, cities and slabs
 //! are flat, towers are few, small props are still centimetres.
 
-use super::{Mesh, Placement, Scene, Triangle};
+use super::{Mesh, Scene, Triangle};
 use crate::warning::Warning;
 use glam::DVec3;
 
@@ -37,13 +37,18 @@ struct Shape {
     triangles: usize,
 }
 
-/// Doubts about the unit and the axes of a mesh that was just placed.
-pub(super) fn of(scene: &Scene, file: &str, placement: Placement, origin: DVec3) -> Vec<Warning> {
+/// Doubts about a mesh that was just placed: about its unit and its axes, where nobody has given them.
+pub(super) fn of(
+    scene: &Scene,
+    file: &str,
+    [unit, axes]: [bool; 2],
+    origin: DVec3,
+) -> Vec<Warning> {
     let Some(shape) = Shape::of(&scene.mesh, origin) else {
         return Vec::new();
     };
     let mut hints = Vec::new();
-    let on_its_side = placement.up.is_none() && shape.lies_on_its_side();
+    let on_its_side = axes && shape.lies_on_its_side();
     if on_its_side {
         hints.push(Warning::OnItsSide {
             file: file.to_owned(),
@@ -51,9 +56,7 @@ pub(super) fn of(scene: &Scene, file: &str, placement: Placement, origin: DVec3)
         });
     }
     let up = if on_its_side { 2 } else { 1 };
-    if placement.scale.is_none()
-        && let Some(scale) = shape.likely_scale(up)
-    {
+    if unit && let Some(scale) = shape.likely_scale(up) {
         hints.push(Warning::OddSize {
             file: file.to_owned(),
             size: (shape.high - shape.low).to_array(),

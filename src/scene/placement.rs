@@ -68,7 +68,8 @@ impl Scene {
         if !self.mesh.positions.iter().all(|p| p.is_finite()) {
             return Err("it makes the mesh larger than numbers can be".into());
         }
-        let hints = hints::of(self, file, placement, origin);
+        let open = [placement.scale.is_none(), placement.up.is_none()];
+        let hints = hints::of(self, file, open, origin);
         self.warnings.extend(hints);
         Ok(())
     }
