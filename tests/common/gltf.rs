@@ -185,7 +185,7 @@ impl Gltf {
 
 /// Identity matrices, column by column.
 pub fn identities(count: usize) -> Vec<f32> {
-    let one = |i: usize| if i % 16 % 5 == 0 { 1.0 } else { 0.0 };
+    let one = |i: usize| if (i % 16).is_multiple_of(5) { 1.0 } else { 0.0 };
     (0..16 * count).map(one).collect()
 }
 

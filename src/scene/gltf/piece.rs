@@ -94,7 +94,7 @@ pub(super) fn read(
     };
     piece.triangles = match mode {
         4 => {
-            if indices.len() % 3 != 0 {
+            if !indices.len().is_multiple_of(3) {
                 notes.leave_out("vertices that make no whole triangle");
             }
             indices
