@@ -19,6 +19,52 @@ pub enum Warning {
         /// Names of the properties, and the number of materials that have them.
         properties: BTreeMap<String, usize>,
     },
+    /// What a scene file holds and the scene does not, or shows as less than it is, with how often.
+    LeftOut {
+        /// The scene file.
+        file: String,
+        /// What it is, and how many there are.
+        things: BTreeMap<String, usize>,
+    },
+    /// A part of a scene file that is not valid, and what is there instead.
+    Mended {
+        /// The file, the part, and what is wrong with it.
+        problem: String,
+        /// What is there instead: `left out`, `held at 1`.
+        instead: String,
+    },
+    /// A file that lies outside the folder of the scene that names it.
+    OutsideFolder {
+        /// The scene file.
+        file: String,
+        /// The file that it names.
+        named: String,
+    },
+    /// Several cameras of one name, of which only the first can be chosen by it.
+    SameCameraName {
+        /// The scene file.
+        file: String,
+        /// Their name.
+        name: String,
+        /// How many they are.
+        count: usize,
+    },
+    /// A scene whose size suggests that its unit is not the metre.
+    OddSize {
+        /// The scene file.
+        file: String,
+        /// How wide, high and deep most of it is [m].
+        size: [f64; 3],
+        /// Metres in a unit of the file, most likely.
+        scale: f64,
+    },
+    /// A scene that looks as if its Z axis pointed up.
+    OnItsSide {
+        /// The scene file.
+        file: String,
+        /// Shares of its area that face along X, Y and Z.
+        facing: [f64; 3],
+    },
     /// A file of materials that cannot be read; its materials are left out.
     MissingMaterials {
         /// The file that names it.
@@ -66,13 +112,6 @@ pub enum Warning {
         count: usize,
         /// The first of them: the name, and the file that was taken.
         first: Vec<(String, String)>,
-    },
-    /// A file that lies outside the folder of the scene that names it.
-    OutsideFolder {
-        /// The scene file.
-        file: String,
-        /// The file that it names.
-        named: String,
     },
     /// A texture that cannot be read; the material is left with its plain colour.
     MissingTexture {
@@ -210,7 +249,6 @@ impl Warning {
             Warning::UntexturedFaces { .. } => {
                 Some("give the faces texture coordinates, or a material without a texture")
             }
-            Warning::OutsideFolder { .. } => Some("look at it if the scene is not your own"),
             Warning::UnsupportedTextureFormat { .. } => {
                 Some("export the scene with PNG or JPEG textures")
             }
@@ -223,6 +261,19 @@ impl Warning {
             Warning::ClockFarFromSun { .. } => {
                 Some("check the sign of the longitude, and the offset from UTC or the zone")
             }
+            Warning::Mended { .. } => {
+                Some("correct it in the program that made the file, and export again")
+            }
+            Warning::OutsideFolder { .. } => {
+                Some("render scenes of strangers only where nothing private can be read")
+            }
+            Warning::SameCameraName { .. } => {
+                Some("give each its own name in the program that made the file")
+            }
+            Warning::OddSize { .. } => {
+                Some("give --scale with the metres in a unit, or --scale 1 if it is right")
+            }
+            Warning::OnItsSide { .. } => Some("give --up z, or --up y if it is right"),
             Warning::PreethamLuminance => Some("use perez or hosek where luminance matters"),
             Warning::OutsidePerezData { .. } => Some(
                 "check both irradiances: W/m2, the direct one on a plane that faces the sun, the diffuse one on the horizontal",
@@ -239,6 +290,7 @@ impl Warning {
             }
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
             Warning::IgnoredMaterialProperties { .. }
+            | Warning::LeftOut { .. }
             | Warning::DegenerateTriangles { .. }
             | Warning::FoundElsewhere { .. } => None,
         }
@@ -248,6 +300,35 @@ impl Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Warning::LeftOut { file, things } => {
+                write!(f, "{file}: left out, with how often: {}", with_counts(things))
+            }
+            Warning::Mended { problem, instead } => write!(f, "{problem}; {instead}"),
+            Warning::SameCameraName { file, name, count } => write!(
+                f,
+                "{file}: {count} cameras are called `{name}`; the name chooses the first"
+            ),
+            Warning::OddSize { file, size, scale } => {
+                let [x, y, z] = size.map(length);
+                let reason = match scale {
+                    0.001 => "is it in millimetres",
+                    0.01 => "is it in centimetres",
+                    _ => "was it made smaller",
+                };
+                write!(
+                    f,
+                    "{file}: the model is {x} wide, {y} high and {z} deep: {reason} (--scale {scale})?"
+                )
+            }
+            Warning::OnItsSide {
+                file,
+                facing: [_, y, z],
+            } => write!(
+                f,
+                "{file}: the model seems to lie on its side: {:.0} % of its surface faces along Z, {:.0} % up and down: does its Z axis point up (--up z)?",
+                100.0 * z,
+                100.0 * y
+            ),
             Warning::IgnoredMaterialProperties { file, properties } => write!(
                 f,
                 "{file}: surfaces are Lambertian with their base colour; left out, with how often: {}",
@@ -308,7 +389,7 @@ impl fmt::Display for Warning {
             ),
             Warning::InvalidVertexAttributes { file, count } => write!(
                 f,
-                "{file}: {} (normal, texture coordinate or colour) not finite or out of range; taken as absent, or colours as the nearest valid one",
+                "{file}: {} (normal, texture coordinate, colour or weight) not finite or out of range; taken as absent, or colours as the nearest valid one",
                 counted(*count, "vertex attribute")
             ),
             Warning::UnusedLights { lights } => {
@@ -391,6 +472,17 @@ fn with_counts(counts: &BTreeMap<String, usize>) -> String {
         .map(|(what, n)| format!("{what} ({n})"))
         .collect();
     list.join(", ")
+}
+
+/// A length with the unit that people would use.
+fn length(metres: f64) -> String {
+    match metres {
+        m if m >= 1e6 => format!("{m:.1e} m"),
+        m if m >= 1000.0 => format!("{:.1} km", m / 1000.0),
+        m if m >= 1.0 => format!("{m:.1} m"),
+        m if m >= 0.001 => format!("{:.1} mm", m * 1000.0),
+        m => format!("{m:.1e} m"),
+    }
 }
 
 /// `1 triangle`, `2 triangles`.

@@ -3,6 +3,7 @@
 mod common;
 
 use common::files::*;
+use common::gltf::Gltf;
 use glam::{DAffine3, DQuat, DVec3};
 use serde_json::json;
 use tyndall::scene;
@@ -226,6 +227,7 @@ fn damaged_files_never_panic() {
     let folder = Folder::new();
     let (json, bin) = example();
     survives_damage(&folder, "a.glb", &glb(&json, &bin), 800);
+    survives_damage(&folder, "rich.glb", &Gltf::rich().glb(), 800);
     folder.put("bin.bin", &bin);
     folder.put("room.obj", ROOM);
     let mut text = json;

@@ -435,10 +435,18 @@ fn unused_lights(scene: &Scene) -> Warning {
 
 /// The camera, and where it comes from.
 fn camera(scene: &Scene, choice: &CameraChoice, size: [u32; 2]) -> Result<(Camera, String)> {
-    let bounds = scene.mesh.bounds().unwrap_or_default();
+    let bounds = || {
+        scene.mesh.bounds().ok_or_else(|| {
+            Error::input(
+                &scene.name,
+                "there is no mesh to frame",
+                "give [camera], or --eye and --target",
+            )
+        })
+    };
     let (camera, origin) = match choice {
         CameraChoice::Given(camera) => (*camera, "given".to_owned()),
-        CameraChoice::Inside => (Camera::inside(bounds), "inside the bounds".into()),
+        CameraChoice::Inside => (Camera::inside(bounds()?), "inside the bounds".into()),
         CameraChoice::Named(name) => {
             let names = scene.cameras.iter().map(|c| c.name.as_str());
             match scene.cameras.iter().find(|c| c.name == *name) {
@@ -466,7 +474,7 @@ fn camera(scene: &Scene, choice: &CameraChoice, size: [u32; 2]) -> Result<(Camer
             (None, Some(first)) => (first.camera, format!("`{}` of the file", first.name)),
             (None, None) => {
                 let aspect = f64::from(size[0]) / f64::from(size[1]);
-                (Camera::around(bounds, aspect), String::new())
+                (Camera::around(bounds()?, aspect), String::new())
             }
         },
     };

@@ -6,9 +6,10 @@ use super::{Mesh, Texture, Triangle, Wrap};
 use crate::error::{Error, Result};
 use crate::warning::Warning;
 use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
+use image::ImageDecoder;
 
 /// A piece of geometry in axes of its own. `normals`, `uvs` and `colors` are empty or as long as `positions`.
-#[derive(Default)]
+#[derive(Default, Clone)]
 pub(super) struct Piece {
     pub positions: Vec<DVec3>,
     pub normals: Vec<DVec3>,
@@ -21,6 +22,8 @@ pub(super) struct Piece {
 /// A mesh in the making.
 #[derive(Default)]
 pub(super) struct Assembly {
+    /// The most vertices or triangles, where instances could make more of a file than memory holds.
+    most: Option<usize>,
     mesh: Mesh,
     degenerate: usize,
     odd_attributes: usize,
@@ -29,7 +32,66 @@ pub(super) struct Assembly {
 /// Twice a triangle's area over its longest edge squared, below which rounding of f64 edges alone can make it.
 const LEAST_ASPECT: f64 = 1e-14;
 
+/// A scene may have this many vertices, and triangles ...
+const MOST_VERTICES: usize = 1 << 22;
+/// ... and as many more for each byte of its files: instances make much of little, but not everything of nothing.
+const VERTICES_A_BYTE: usize = 64;
+
+/// What normals are carried along by: they are covectors, and go with the cofactors, which exist where the inverse
+/// transpose does not. A mirroring transform leaves them on the side that the winding shows.
+pub(super) fn cofactors(linear: DMat3) -> DMat3 {
+    let sign = if linear.determinant() < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    DMat3::from_cols(
+        linear.y_axis.cross(linear.z_axis) * sign,
+        linear.z_axis.cross(linear.x_axis) * sign,
+        linear.x_axis.cross(linear.y_axis) * sign,
+    )
+}
+
 impl Assembly {
+    /// For a file of so many bytes, with all that it names, whose memory is to stay below a multiple of that.
+    pub fn of_file(bytes: usize) -> Self {
+        let most = MOST_VERTICES.saturating_add(VERTICES_A_BYTE.saturating_mul(bytes));
+        Assembly {
+            most: Some(most),
+            ..Assembly::default()
+        }
+    }
+
+    /// Counts attributes of vertices that were found invalid on the way.
+    pub fn count_odd(&mut self, count: usize) {
+        self.odd_attributes += count;
+    }
+
+    /// An error for more copies of `piece` than a file of this size may hold.
+    pub fn check_room(
+        &self,
+        piece: &Piece,
+        copies: usize,
+        place: &dyn Fn() -> String,
+    ) -> Result<()> {
+        let most = self.most.unwrap_or(usize::MAX);
+        let beyond = |present: usize, more: usize| {
+            more.saturating_mul(copies).saturating_add(present) > most
+        };
+        if beyond(self.mesh.positions.len(), piece.positions.len())
+            || beyond(self.mesh.triangles.len(), piece.triangles.len())
+        {
+            return Err(Error::input(
+                place(),
+                format!(
+                    "with it the scene has more vertices or triangles than a file of its size may hold ({most})"
+                ),
+                "use fewer instances",
+            ));
+        }
+        Ok(())
+    }
+
     /// Adds `piece`, moved by `to_scene`. A mirroring transform turns the winding, so that front sides stay in front.
     ///
     /// `place` names the piece in errors: a position that is not finite, an index beyond the vertices.
@@ -41,13 +103,7 @@ impl Assembly {
     ) -> Result<()> {
         let linear = to_scene.matrix3;
         let mirrored = linear.determinant() < 0.0;
-        // Normals are covectors: they go with the cofactors, which exist where the inverse transpose does not.
-        let sign = if mirrored { -1.0 } else { 1.0 };
-        let cofactors = DMat3::from_cols(
-            linear.y_axis.cross(linear.z_axis) * sign,
-            linear.z_axis.cross(linear.x_axis) * sign,
-            linear.x_axis.cross(linear.y_axis) * sign,
-        );
+        let cofactors = cofactors(linear);
 
         let count = piece.positions.len();
         let base = u32::try_from(self.mesh.positions.len())
@@ -61,12 +117,34 @@ impl Assembly {
                 )
             })?;
 
+        self.check_room(piece, 1, place)?;
+        // Memory that is not there is an error, not the end of the program.
+        let mesh = &mut self.mesh;
+        let colored = !piece.colors.is_empty() || !mesh.colors.is_empty();
+        let room = [
+            mesh.positions.try_reserve(count),
+            mesh.normals.try_reserve(count),
+            mesh.uvs.try_reserve(count),
+            mesh.colors.try_reserve(if colored {
+                base as usize + count - mesh.colors.len()
+            } else {
+                0
+            }),
+            mesh.triangles.try_reserve(piece.triangles.len()),
+        ];
+        if room.iter().any(Result::is_err) {
+            return Err(Error::failed(
+                format!("{}: there is no memory for its vertices", place()),
+                "free memory, or use fewer instances",
+            ));
+        }
+
         for (i, p) in piece.positions.iter().enumerate() {
             let moved = to_scene.transform_point3(*p);
             if !moved.is_finite() {
                 return Err(Error::input(
                     place(),
-                    format!("the position of vertex {i} is not a finite number ({p})"),
+                    format!("the position of vertex {i} is not a finite number"),
                     "repair the vertex in the program that made the file and export again",
                 ));
             }
@@ -84,7 +162,7 @@ impl Assembly {
                 .uvs
                 .push(if uv.is_finite() { uv } else { DVec2::ZERO });
         }
-        if !piece.colors.is_empty() || !self.mesh.colors.is_empty() {
+        if colored {
             self.mesh.colors.resize(base as usize, DVec4::ONE);
             for i in 0..count {
                 let c = piece.colors.get(i).copied().unwrap_or(DVec4::ONE);
@@ -163,15 +241,36 @@ impl Assembly {
     }
 }
 
+/// Texels that a picture may have ...
+const MOST_TEXELS: u64 = 1 << 26;
+/// ... and as many more for each of its bytes: no more than a picture of one colour compresses to.
+const TEXELS_A_BYTE: u64 = 256;
+
+/// Texels that pictures of so many bytes may have.
+pub(super) fn most_texels(bytes: usize) -> u64 {
+    MOST_TEXELS.saturating_add(TEXELS_A_BYTE.saturating_mul(bytes as u64))
+}
+
 /// Decodes a PNG or JPEG; the error says what is wrong with it.
 ///
 /// Decoders of other people's formats may panic on damaged files; that must not end the caller.
 pub(super) fn decode_image(name: &str, bytes: &[u8], wrap: [Wrap; 2]) -> Result<Texture, String> {
+    let most = most_texels(bytes.len());
     let decode = || {
-        let reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
             .with_guessed_format()
             .map_err(|e| e.to_string())?;
-        Ok(reader.decode().map_err(|e| e.to_string())?.to_rgba8())
+        // Sixteen bits in each of four channels, once.
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(most.saturating_mul(8));
+        reader.limits(limits);
+        let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+        let (width, height) = decoder.dimensions();
+        if u64::from(width) * u64::from(height) > most {
+            return Err(format!("{width} x {height} pixels are more than {most}"));
+        }
+        let picture = image::DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
+        Ok(picture.into_rgba8())
     };
     let picture = std::panic::catch_unwind(decode)
         .unwrap_or_else(|_| Err("the picture is damaged".to_owned()))?;

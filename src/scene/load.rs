@@ -1,7 +1,9 @@
 //! From a name to a scene.
 
+use super::placement::Placement;
 use super::{Scene, file, gltf, obj, toml};
 use crate::error::{Error, Result};
+use glam::DVec3;
 use std::path::Path;
 
 /// The scenes that are compiled into the library: name, TOML, GLB. The first is what is pictured without a scene.
@@ -24,7 +26,16 @@ pub const BUILTIN: [&str; 1] = ["nave"];
 /// is not a scene, is damaged, has no triangles, or holds a key or a value that is not valid. What can be left out (a
 /// texture that cannot be read, triangles without an area) is reported in [`Scene::warnings`] instead.
 pub fn load(path: &Path) -> Result<Scene> {
-    from_bytes(path, &file::read(path, file::LARGEST)?)
+    load_placed(path, Placement::default())
+}
+
+/// Reads a scene as [`load`] does, its mesh in the unit and the axes that are `asked` for. They win over the keys of a TOML
+/// file.
+///
+/// # Errors
+/// Those of [`load`], and [`Error::Input`] for a scale outside its range.
+pub fn load_placed(path: &Path, asked: Placement) -> Result<Scene> {
+    placed(path, &file::read(path, file::LARGEST)?, asked)
 }
 
 /// Reads a scene that is in memory already: `bytes` are the content of `path`, which need not exist.
@@ -34,6 +45,10 @@ pub fn load(path: &Path) -> Result<Scene> {
 /// # Errors
 /// Those of [`load`].
 pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Scene> {
+    placed(path, bytes, Placement::default())
+}
+
+fn placed(path: &Path, bytes: &[u8], asked: Placement) -> Result<Scene> {
     let mut scene = match FileKind::of(path, bytes)? {
         FileKind::Toml => {
             let text = str::from_utf8(bytes).map_err(|e| {
@@ -48,13 +63,20 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Scene> {
                 )
             })?;
             let folder = path.parent().unwrap_or(Path::new(""));
-            toml::load(path, text, |mesh| {
+            toml::load(path, text, asked, |mesh| {
                 let mesh = folder.join(mesh);
                 let bytes = file::read(&mesh, file::LARGEST)?;
                 load_mesh(&mesh, &bytes)
             })?
         }
-        _ => load_mesh(path, bytes)?,
+        _ => {
+            let mut scene = load_mesh(path, bytes)?;
+            let file = path.display().to_string();
+            scene.place(&file, asked, DVec3::ZERO).map_err(|problem| {
+                Error::input("--scale", problem, "give the metres in a unit of the mesh")
+            })?;
+            scene
+        }
     };
     scene.name = path
         .file_name()
@@ -81,7 +103,9 @@ impl Scene {
                 )
             })?;
         let path = Path::new(name).with_extension("toml");
-        let mut scene = toml::load(&path, text, |mesh| gltf::load(Path::new(mesh), glb))?;
+        let mut scene = toml::load(&path, text, Placement::default(), |mesh| {
+            gltf::load(Path::new(mesh), glb)
+        })?;
         scene.name = name.to_owned();
         Ok(scene)
     }
@@ -98,6 +122,14 @@ enum FileKind {
 impl FileKind {
     fn of(path: &Path, bytes: &[u8]) -> Result<FileKind> {
         let remedy = "name a glTF, GLB, OBJ or TOML scene file";
+        if matches!(bytes, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
+            return Err(Error::input(
+                path.display().to_string(),
+                "it is UTF-16 text",
+                "save the file as UTF-8",
+            ));
+        }
+        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         let first = bytes.iter().copied().find(|b| !b.is_ascii_whitespace());
         let Some(first) = first else {
             return Err(Error::input(

@@ -12,13 +12,14 @@ mod file;
 pub mod framing;
 pub mod geometry;
 mod gltf;
-mod gltf_document;
+mod hints;
 mod load;
 mod mtl;
 mod mtl_pictures;
 mod named;
 mod obj;
 mod obj_model;
+pub mod placement;
 mod polygon;
 mod text;
 mod toml;
@@ -30,7 +31,8 @@ use glam::{DVec2, DVec3, DVec4};
 
 pub use camera::{Camera, Projection, Ray};
 pub use geometry::{Geometry, Hit};
-pub use load::{BUILTIN, from_bytes, load};
+pub use load::{BUILTIN, from_bytes, load, load_placed};
+pub use placement::{Placement, Up};
 pub use toml::schema;
 
 /// Everything that a user can say about a scene.

@@ -4,11 +4,12 @@
 //! checked against that schema ([`super::check`]), and then read into them.
 
 use super::camera::{Camera, Projection};
+use super::placement::{self, Placement};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
 use crate::error::{Error, Result};
 use crate::medium::{ClearAir, Medium, Phase, Shape};
 use crate::units::DEG;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::Path;
@@ -294,10 +295,11 @@ pub fn schema() -> serde_json::Value {
     schema
 }
 
-/// Reads `text`, the content of `path`; `load_mesh` reads the mesh that it names.
+/// Reads `text`, the content of `path`; `load_mesh` reads the mesh that it names. What is `asked` wins over its keys.
 pub(super) fn load(
     path: &Path,
     text: &str,
+    asked: Placement,
     load_mesh: impl FnOnce(&str) -> Result<Scene>,
 ) -> Result<Scene> {
     let checked = check::read(path, text, &schema())?;
@@ -322,13 +324,24 @@ pub(super) fn load(
         })?,
         None => Scene::default(),
     };
+    let own = Placement {
+        scale: file.scale,
+        up: file.up.map(|up| match up {
+            Up::Y => placement::Up::Y,
+            Up::Z => placement::Up::Z,
+        }),
+    };
     let origin = file.origin.map_or(DVec3::ZERO, DVec3::from_array);
-    scene.place(file.scale.unwrap_or(1.0), file.up == Some(Up::Z), origin);
-    if !scene.mesh.positions.iter().all(|p| p.is_finite()) {
-        return Err(wrong(
-            "scale",
-            "it makes the mesh larger than numbers can be".into(),
-            "write a smaller scale",
+    if file.mesh.is_some() {
+        let file = path.with_file_name(file.mesh.as_deref().unwrap_or_default());
+        scene
+            .place(&file.display().to_string(), asked.over(own), origin)
+            .map_err(|problem| wrong("scale", problem, "write another scale"))?;
+    } else if asked != Placement::default() {
+        return Err(Error::input(
+            path.display().to_string(),
+            "there is no mesh whose unit or axes could be given",
+            "leave out --scale and --up",
         ));
     }
 
@@ -562,31 +575,5 @@ impl MediumTable {
             absorption: absorption.map_or(DVec3::ZERO, Coefficient::rgb),
             phase: phase.map_or(Phase::Isotropic, PhaseTable::read),
         }))
-    }
-}
-
-impl Scene {
-    /// Moves everything that came with the mesh: scales it, turns Z up into Y up, then adds `origin` [m], in f64.
-    fn place(&mut self, scale: f64, z_up: bool, origin: DVec3) {
-        let turn = match z_up {
-            true => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
-            false => DMat3::IDENTITY,
-        };
-        let moved = |p: DVec3| turn * p * scale + origin;
-        self.mesh.positions.iter_mut().for_each(|p| *p = moved(*p));
-        self.mesh.normals.iter_mut().for_each(|n| *n = turn * *n);
-        for named in &mut self.cameras {
-            let camera = &mut named.camera;
-            camera.eye = moved(camera.eye);
-            camera.forward = turn * camera.forward;
-            camera.up = turn * camera.up;
-            if let Projection::Orthographic { height } = &mut camera.projection {
-                *height *= scale;
-            }
-        }
-        for light in &mut self.lights {
-            light.position = moved(light.position);
-            light.direction = turn * light.direction;
-        }
     }
 }

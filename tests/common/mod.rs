@@ -4,6 +4,7 @@
 pub mod build;
 pub mod files;
 pub mod flat;
+pub mod gltf;
 pub mod obj;
 pub mod own_effects;
 pub mod scenes;

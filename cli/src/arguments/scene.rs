@@ -10,7 +10,7 @@ use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::effect::Method;
 use tyndall::error::Error;
 use tyndall::plan::{Overrules, Quality};
-use tyndall::scene::{self, Camera, Projection, Scene, SiteEntry, SunEntry};
+use tyndall::scene::{self, Camera, Placement, Projection, Scene, SiteEntry, SunEntry, Up};
 use tyndall::units::DEG;
 
 /// A scene, and the camera, sun and sky that it is rendered with.
@@ -18,6 +18,12 @@ use tyndall::units::DEG;
 pub struct SceneArgs {
     /// The scene: TOML, glTF, GLB or OBJ [default: one that is built in]
     pub scene: Option<PathBuf>,
+    /// Metres in a unit of the scene's mesh: 0.001 for millimetres; wins over the scene's own `scale`
+    #[arg(long, value_name = "F", value_parser = positive, requires = "scene")]
+    scale: Option<f64>,
+    /// The mesh's axis that points up, y or z; wins over the scene's own `up`
+    #[arg(long, value_name = "y|z", value_parser = up, requires = "scene")]
+    up: Option<Up>,
     #[command(flatten)]
     place: PlaceArgs,
     #[command(flatten)]
@@ -122,7 +128,13 @@ impl SceneArgs {
     /// Those of [`scene::load`] and [`Conditions::new`].
     pub fn conditions(&self) -> Result<Conditions> {
         let mut scene = match &self.scene {
-            Some(path) => scene::load(path)?,
+            Some(path) => scene::load_placed(
+                path,
+                Placement {
+                    scale: self.scale,
+                    up: self.up,
+                },
+            )?,
             None => Scene::builtin(scene::BUILTIN[0])?,
         };
         self.place_and_time(&mut scene);
@@ -240,6 +252,14 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     text.split_once(['x', 'X'])
         .and_then(|(w, h)| Some([parse(w)?, parse(h)?]))
         .ok_or_else(|| "WIDTHxHEIGHT was expected, as in 960x600".into())
+}
+
+fn up(text: &str) -> Result<Up, String> {
+    match text {
+        "y" | "Y" => Ok(Up::Y),
+        "z" | "Z" => Ok(Up::Z),
+        _ => Err("write y or z".into()),
+    }
 }
 
 fn quality(text: &str) -> Result<Quality, String> {
