@@ -81,9 +81,11 @@ fn met_triangle(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
     let inside = vec2f(dot(cross(p, f), edge), dot(cross(e, p), edge)) / square;
     let v = clamp(inside.x, 0.0, 1.0);
     let w = clamp(inside.y, 0.0, 1.0 - v);
-    // The rasteriser may name a triangle that the ray passes by a hair; it is met at its border then.
-    let beside = max(abs(inside.x - v), abs(inside.y - w)) > 1e-5;
-    surface.distance = max(select(t, dot(a + v * e + w * f, direction), beside), 0.0);
+    // The rasteriser may name a triangle that the ray passes by a hair; where its plane runs on as if along the ray, it is met at
+    // its border.
+    let border = dot(a + v * e + w * f, direction);
+    let beside = max(abs(inside.x - v), abs(inside.y - w)) > 1e-5 && abs(t - border) > 1e-3 * abs(border);
+    surface.distance = max(select(t, border, beside), 0.0);
     let u = 1.0 - v - w;
     let x = attributes[first];
     let y = attributes[first + 1u];
