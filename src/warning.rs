@@ -47,6 +47,16 @@ pub enum Warning {
         /// How many.
         count: usize,
     },
+    /// Materials of opacity 0 everywhere, whose triangles are not there.
+    WhollySeeThrough {
+        /// The materials, and how many triangles have each.
+        materials: Vec<(String, usize)>,
+    },
+    /// Materials that fade from there to not there: an edge at half takes the place of the gradient.
+    GradualAlpha {
+        /// The materials.
+        materials: Vec<String>,
+    },
     /// Normals, texture coordinates and colours of vertices that are not finite or out of range.
     InvalidVertexAttributes {
         /// The scene file.
@@ -124,6 +134,12 @@ impl Warning {
                 "check both irradiances: W/m2, the direct one on a plane that faces the sun, the diffuse one on the horizontal",
             ),
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
+            Warning::WhollySeeThrough { .. } => {
+                Some("give the material an alpha above 0 if it should be seen")
+            }
+            Warning::GradualAlpha { .. } => {
+                Some("give the material one alpha, or alphaMode MASK with the cutoff that is meant")
+            }
             Warning::IgnoredMaterialProperties { .. } | Warning::DegenerateTriangles { .. } => None,
         }
     }
@@ -161,6 +177,24 @@ impl fmt::Display for Warning {
                 "{file}: {} without an area left out",
                 counted(*count, "triangle")
             ),
+            Warning::WhollySeeThrough { materials } => {
+                let list: Vec<String> = materials
+                    .iter()
+                    .map(|(name, count)| {
+                        let (count, are) = (counted(*count, "triangle"), are(*count));
+                        format!("`{name}` (its {count} {are} not there)")
+                    })
+                    .collect();
+                write!(f, "wholly see-through: {}", list.join(", "))
+            }
+            Warning::GradualAlpha { materials } => {
+                let list: Vec<String> = materials.iter().map(|name| format!("`{name}`")).collect();
+                write!(
+                    f,
+                    "alpha that fades is cut at half of its greatest: {}",
+                    list.join(", ")
+                )
+            }
             Warning::InvalidVertexAttributes { file, count } => write!(
                 f,
                 "{file}: {} (normal, texture coordinate or colour) not finite or out of range; taken as absent, or colours as the nearest valid one",
@@ -206,6 +240,11 @@ impl Serialize for Warning {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
+}
+
+/// What many or one do.
+fn are(n: usize) -> &'static str {
+    if n == 1 { "is" } else { "are" }
 }
 
 /// `1 triangle`, `2 triangles`.

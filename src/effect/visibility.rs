@@ -10,7 +10,7 @@ use super::{
 };
 use crate::colour::{Space, srgb_decode};
 use crate::conditions::{Conditions, Receivers, View};
-use crate::scene::{Hit, Ray, geometry::texel};
+use crate::scene::{Hit, Ray, cut_out::texel};
 use glam::{DMat3, DVec2, DVec3, UVec2};
 
 /// The first surface on each ray.

@@ -7,6 +7,7 @@ mod assembly;
 pub mod camera;
 mod check;
 pub mod curtain;
+pub mod cut_out;
 mod fan;
 mod file;
 pub mod framing;
@@ -15,6 +16,8 @@ mod gltf;
 mod gltf_document;
 mod load;
 mod obj;
+pub mod opacity;
+pub mod shade;
 mod toml;
 
 use crate::medium::{ClearAir, Medium};
@@ -116,7 +119,7 @@ pub enum AlphaMode {
         /// The least alpha that is a surface.
         cutoff: f64,
     },
-    /// See-through; such surfaces cast no shadow and are not drawn.
+    /// There is a part of a surface: see [`opacity`].
     Blend,
 }
 

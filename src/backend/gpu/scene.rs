@@ -51,7 +51,7 @@ impl Triangles {
         let (mut cut_out, solid): (Vec<_>, Vec<_>) = conditions
             .geometry
             .casters()
-            .partition(|(_, least)| least.is_some());
+            .partition(|(_, opacity)| opacity.least.is_some());
         let count = solid.len() as u32;
         let mut all = solid;
         all.append(&mut cut_out);
@@ -63,7 +63,10 @@ impl Triangles {
             drawn,
             numbers: all.iter().map(|(number, _)| *number).collect(),
             solid: count,
-            least_alpha: all.iter().map(|(_, least)| *least).collect(),
+            least_alpha: all
+                .iter()
+                .map(|(_, opacity)| opacity.least.map(|least| 255.0 * least))
+                .collect(),
         }
     }
 
