@@ -43,15 +43,15 @@ fn leaves(width: u32, height: u32) -> Texture {
     }
 }
 
-/// A tree of `count` cards before the camera.
-fn cards(count: u32, texture: Texture) -> StudyView {
+/// A tree of `count` cards of a size [m] before the camera.
+fn cards(count: u32, size: f64, texture: Texture) -> StudyView {
     let mut triangles = Vec::new();
     let mut uvs = Vec::new();
     for i in 0..count {
         let at = |k| 2.0 * spread(i, k) - 1.0;
         let centre = 2.5 * DVec3::new(at(3), at(4) + 1.4, at(5));
         let across = DVec3::new(at(6), 0.3 * at(7), at(8)).normalize();
-        let along = across.any_orthonormal_vector();
+        let (across, along) = (size * across, size * across.any_orthonormal_vector());
         triangles.extend(quad(centre - 0.5 * (across + along), across, along));
         let [o, x, y] = [DVec2::ZERO, DVec2::X, DVec2::Y];
         uvs.extend([o, x, y, x, x + y, y]);
@@ -115,8 +115,12 @@ fn measure(view: &StudyView, rays: u32) {
 }
 
 fn main() {
-    measure(&cards(200, leaves(1024, 512)), 2000);
-    measure(&cards(5000, leaves(1024, 512)), 300);
-    measure(&forest(4000), 3000);
-    measure(&forest(100_000), 400);
+    let texture = leaves(1024, 512);
+    measure(&cards(200, 1.0, texture.clone()), 2000);
+    measure(&cards(200, 4.0, texture.clone()), 1000);
+    measure(&forest(4000), 2000);
+    let mut wood = forest(100_000);
+    measure(&wood, 400);
+    wood.scene.textures = vec![texture];
+    measure(&wood, 400);
 }

@@ -52,6 +52,11 @@ pub enum Warning {
         /// The materials, and how many triangles have each.
         materials: Vec<(String, usize)>,
     },
+    /// Materials that let a part of the light through.
+    PartlySeeThrough {
+        /// The materials.
+        materials: Vec<String>,
+    },
     /// Materials that fade from there to not there: an edge at half takes the place of the gradient.
     GradualAlpha {
         /// The materials.
@@ -137,6 +142,9 @@ impl Warning {
             Warning::WhollySeeThrough { .. } => {
                 Some("give the material an alpha above 0 if it should be seen")
             }
+            Warning::PartlySeeThrough { .. } => {
+                Some("take more samples: one shows a pane, or what is behind it")
+            }
             Warning::GradualAlpha { .. } => {
                 Some("give the material one alpha, or alphaMode MASK with the cutoff that is meant")
             }
@@ -187,14 +195,16 @@ impl fmt::Display for Warning {
                     .collect();
                 write!(f, "wholly see-through: {}", list.join(", "))
             }
-            Warning::GradualAlpha { materials } => {
-                let list: Vec<String> = materials.iter().map(|name| format!("`{name}`")).collect();
-                write!(
-                    f,
-                    "alpha that fades is cut at half of its greatest: {}",
-                    list.join(", ")
-                )
-            }
+            Warning::PartlySeeThrough { materials } => write!(
+                f,
+                "these let a part of the light through, straight on and uncoloured, and a GPU leaves sunlight to the CPU for them (exact, and slower): {}",
+                quoted(materials)
+            ),
+            Warning::GradualAlpha { materials } => write!(
+                f,
+                "alpha that fades is cut at half of its greatest: {}",
+                quoted(materials)
+            ),
             Warning::InvalidVertexAttributes { file, count } => write!(
                 f,
                 "{file}: {} (normal, texture coordinate or colour) not finite or out of range; taken as absent, or colours as the nearest valid one",
@@ -240,6 +250,12 @@ impl Serialize for Warning {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
+}
+
+/// Names in backquotes.
+fn quoted(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
 }
 
 /// What many or one do.

@@ -15,7 +15,7 @@
 
 use super::Ray;
 use super::geometry::{Geometry, Node, Veil};
-use super::shade::{Shade, Veiled, holds};
+use super::shade::{Shade, Veiled, gaps, holds};
 use crate::beam::Beam;
 use glam::{BVec4A, DMat3, DVec3, Vec3A, Vec4};
 
@@ -105,7 +105,7 @@ impl Geometry {
             planes: &planes,
             span: [-near, far - near],
             shades: vec![Shade::default(); planes.len()],
-            parts: Vec::new(),
+            lit: Vec::new(),
             together: 1e-13 * (near + self.extent),
         };
         search.run();
@@ -158,8 +158,8 @@ struct Search<'a> {
     span: Run,
     /// What was found so far, for each half-plane.
     shades: Vec<Shade>,
-    /// The solid parts of a cut, for the while.
-    parts: Vec<Run>,
+    /// What a cut may yet darken, for the while.
+    lit: Vec<Run>,
     together: f64,
 }
 
@@ -361,17 +361,21 @@ impl Search<'_> {
             };
             let (first, last) = (spot(&a), spot(&b));
             let line = [first.lerp(last, f), first.lerp(last, g)];
-            let mix = |f: f64| from + f * (to - from);
-            self.parts.clear();
-            let dark = &self.shades[k].dark;
-            let hidden = |p: f64, q: f64| {
-                let (p, q) = (mix(p), mix(q));
-                holds(dark, p.min(q).max(self.span[0]), p.max(q).min(self.span[1]))
-            };
-            let parts = &mut self.parts;
-            map.solid_parts(cut.least, line, hidden, |p, q| parts.push([mix(p), mix(q)]));
-            for part in &self.parts {
-                self.shades[k].add(veil, *part, self.span, self.together);
+            // Only over what is still lit.
+            self.lit.clear();
+            let (low, high) = (
+                from.min(to).max(self.span[0]),
+                from.max(to).min(self.span[1]),
+            );
+            gaps(&self.shades[k].dark, low, high, &mut self.lit);
+            for gap in &self.lit {
+                let [p, q] = gap.map(|t| ((t - from) / (to - from)).clamp(0.0, 1.0));
+                let within = if p < q { [p, q] } else { [q, p] };
+                let shade = &mut self.shades[k];
+                map.solid_parts(line, within, |p, q| {
+                    let mix = |f: f64| from + f * (to - from);
+                    shade.add(veil, [mix(p), mix(q)], self.span, self.together);
+                });
             }
         }
     }

@@ -1,9 +1,11 @@
 //! Triangles with holes: where the alpha of a texture times that of the vertices does not reach a threshold, nothing is there.
 //!
-//! A straight line over a texture is solid on some parts and not on others. Which ones is found on a pyramid of the least and
-//! the greatest alpha of blocks of texels, each level of half the size: a block that is solid or empty as a whole is passed in
-//! one step, and only where leaves end are single texels looked at. The parts are those of a walk from texel to texel.
+//! A straight line over a texture is solid on some parts and not on others. Each texel knows how far it is to the nearest one that
+//! is otherwise, so that a line goes from there at once to the end of the square of texels that are alike (as sphere tracing
+//! does, Hart 1996, in the maximum norm): only where leaves end does it go by single texels. The parts are those of a walk from
+//! texel to texel.
 
+use super::curtain::Run;
 use super::{Texture, Wrap};
 use glam::DVec2;
 
@@ -15,24 +17,22 @@ pub(super) struct CutOut {
     pub uvs: [DVec2; 3],
     /// Alpha of the vertices.
     pub alphas: [f64; 3],
-    /// Alpha of the texel times that of the place must reach this, in 0 to 255.
-    pub least: f64,
 }
 
-/// The alpha channel of a texture, and its pyramid.
+/// The alpha channel of a texture, and which of its texels are solid.
 pub(super) struct AlphaMap {
     size: [u32; 2],
     wrap: [Wrap; 2],
-    /// From single texels to the whole.
-    levels: Vec<Level>,
+    /// Alpha of the texel times that of the vertices must reach this, in 0 to 255.
+    least: f64,
+    alpha: Vec<u8>,
+    /// Where the vertices' alpha is 1: [`SOLID`] or 0, and in the other bits how many texels it is to the nearest one that is
+    /// otherwise, at most [`FAR`].
+    squares: Vec<u8>,
 }
 
-/// Blocks of texels, row by row.
-struct Level {
-    width: u32,
-    /// Least and greatest alpha of each block.
-    ranges: Vec<[u8; 2]>,
-}
+const SOLID: u8 = 0x80;
+const FAR: u8 = 0x7f;
 
 /// A place on a cut-out: the texture coordinate and the vertices' alpha there.
 #[derive(Debug, Clone, Copy)]
@@ -69,110 +69,104 @@ impl CutOut {
 }
 
 impl AlphaMap {
-    pub fn new(texture: &Texture) -> Self {
-        let ranges = texture.pixels.iter().map(|p| [p[3]; 2]).collect();
-        Self::of([texture.width, texture.height], texture.wrap, ranges)
-    }
-
-    /// One of a material without a texture.
-    pub fn plain() -> Self {
-        Self::of([1, 1], [Wrap::Clamp; 2], vec![[255; 2]])
-    }
-
-    fn of(size: [u32; 2], wrap: [Wrap; 2], ranges: Vec<[u8; 2]>) -> Self {
-        let mut levels = vec![Level {
-            width: size[0],
-            ranges,
-        }];
-        let [mut width, mut height] = size;
-        while width > 1 || height > 1 {
-            let below = &levels[levels.len() - 1];
-            let blocks = [width.div_ceil(2), height.div_ceil(2)];
-            let range = |i: u32| {
-                let (x, y) = (2 * (i % blocks[0]), 2 * (i / blocks[0]));
-                let columns = x..(x + 2).min(width);
-                let texels =
-                    (y..(y + 2).min(height)).flat_map(|v| columns.clone().map(move |u| (u, v)));
-                texels
-                    .map(|(u, v)| below.ranges[(v * width + u) as usize])
-                    .fold([255, 0], |[low, high], [l, h]| [low.min(l), high.max(h)])
-            };
-            let ranges = (0..blocks[0] * blocks[1]).map(range).collect();
-            [width, height] = blocks;
-            levels.push(Level { width, ranges });
+    /// That of a texture, or of a material without one, of which an alpha of `least`, 0 to 255, is solid.
+    pub fn new(texture: Option<&Texture>, least: f64) -> Self {
+        match texture {
+            Some(texture) => {
+                let alpha = texture.pixels.iter().map(|p| p[3]).collect();
+                Self::of([texture.width, texture.height], texture.wrap, alpha, least)
+            }
+            None => Self::of([1, 1], [Wrap::Clamp; 2], vec![255], least),
         }
-        AlphaMap { size, wrap, levels }
+    }
+
+    fn of(size: [u32; 2], wrap: [Wrap; 2], alpha: Vec<u8>, least: f64) -> Self {
+        AlphaMap {
+            size,
+            wrap,
+            least,
+            squares: squares(size, &alpha, least),
+            alpha,
+        }
+    }
+
+    /// The least alpha that is solid, 0 to 255.
+    pub fn least(&self) -> f64 {
+        self.least
     }
 
     /// Whether a place is solid.
-    pub fn is_solid(&self, cut: &CutOut, spot: Spot) -> bool {
+    pub fn is_solid(&self, spot: Spot) -> bool {
         let x = texel(spot.uv.x, self.size[0], self.wrap[0]);
         let y = texel(spot.uv.y, self.size[1], self.wrap[1]);
-        let [alpha, _] = self.levels[0].ranges[(y * self.size[0] + x) as usize];
-        f64::from(alpha) * spot.alpha >= cut.least
+        let alpha = self.alpha[(y * self.size[0] + x) as usize];
+        f64::from(alpha) * spot.alpha >= self.least
     }
 
-    /// The parts of a straight line on which it is solid, as fractions of the line, in order and apart from each other; parts that
-    /// are `hidden` may be left out.
-    pub fn solid_parts(
-        &self,
-        least: f64,
-        [from, to]: [Spot; 2],
-        hidden: impl Fn(f64, f64) -> bool,
-        found: impl FnMut(f64, f64),
-    ) {
+    /// The parts of a straight line on which it is solid, as fractions of the line between two of them, in order and apart from
+    /// each other.
+    pub fn solid_parts(&self, line: [Spot; 2], within: Run, mut found: impl FnMut(f64, f64)) {
+        let [from, to] = line;
         let size = self.size.map(f64::from);
         let start = [from.uv.x * size[0], from.uv.y * size[1]];
         let slope = [
             (to.uv.x - from.uv.x) * size[0],
             (to.uv.y - from.uv.y) * size[1],
         ];
-        let mut walk = Walk {
-            map: self,
-            least,
-            alpha: [from.alpha, to.alpha - from.alpha],
-            start: [0.0; 2],
-            slope: [0.0; 2],
-            hidden,
-            found,
-            open: None,
-        };
-        let top = self.levels.len() - 1;
-        if walk.whole(top, 0, [0.0, 1.0]) != Some(false) {
-            let mut borders = vec![0.0, 1.0];
-            for axis in 0..2 {
-                self.borders(axis, start[axis], slope[axis], &mut borders);
+        let alpha = [from.alpha, to.alpha - from.alpha];
+        // A solid part that may go on.
+        let mut open: Option<Run> = None;
+        let mut solid = |from: f64, to: f64| match &mut open {
+            Some([_, end]) if *end == from => *end = to,
+            _ => {
+                if let Some([from, to]) = open.replace([from, to]) {
+                    found(from, to);
+                }
             }
-            borders.sort_unstable_by(f64::total_cmp);
-            for pair in borders.windows(2) {
-                let [a, b] = [pair[0], pair[1]];
-                if b <= a {
-                    continue;
-                }
-                let middle = 0.5 * (a + b);
-                for axis in 0..2 {
-                    [walk.start[axis], walk.slope[axis]] =
-                        self.unwrapped(axis, start[axis], slope[axis], middle);
-                }
-                walk.descend(top, [0, 0], [a, b]);
+        };
+        let mut piece = |run: Run| {
+            let middle = 0.5 * (run[0] + run[1]);
+            let within = |axis: usize| self.unwrapped(axis, start[axis], slope[axis], middle);
+            let ways = [within(0), within(1)];
+            if alpha == [1.0, 0.0] {
+                self.walk(ways, run, &mut solid);
+            } else {
+                self.walk_fading(ways, alpha, run, &mut solid);
+            }
+        };
+        let mut borders = Vec::new();
+        for axis in 0..2 {
+            self.borders(axis, start[axis], slope[axis], within, &mut borders);
+        }
+        borders.sort_unstable_by(f64::total_cmp);
+        let mut at = within[0];
+        for border in borders.into_iter().chain([within[1]]) {
+            if border > at {
+                piece([at, border]);
+                at = border;
             }
         }
-        walk.close();
+        if let Some([from, to]) = open {
+            found(from, to);
+        }
     }
 
-    /// Where a line passes from one copy of the texture to the next.
-    fn borders(&self, axis: usize, start: f64, slope: f64, borders: &mut Vec<f64>) {
+    /// Where a line passes from one copy of the texture to the next, between two fractions.
+    fn borders(&self, axis: usize, start: f64, slope: f64, within: Run, borders: &mut Vec<f64>) {
         let size = f64::from(self.size[axis]);
-        let (a, b) = (start / size, (start + slope) / size);
-        let (mut low, mut high) = (a.min(b), a.max(b));
+        let at = |f: f64| (start + f * slope) / size;
+        let (mut low, mut high) = (
+            at(within[0]).min(at(within[1])),
+            at(within[0]).max(at(within[1])),
+        );
         if self.wrap[axis] == Wrap::Clamp {
             (low, high) = (low.max(-0.5), high.min(1.5));
         }
         let count = high.ceil() - low.floor() - 1.0;
-        if count <= COPIES {
+        if count > 0.0 && count <= COPIES {
             let first = low.floor() + 1.0;
-            let all = (0..count.max(0.0) as u32).map(|i| first + f64::from(i));
-            borders.extend(all.map(|border| (border - a) / (b - a)));
+            let all = (0..count as u32).map(|i| ((first + f64::from(i)) * size - start) / slope);
+            borders.extend(all.filter(|f| *f > within[0] && *f < within[1]));
         }
     }
 
@@ -188,104 +182,167 @@ impl AlphaMap {
             _ => [start - copy * size, slope],
         }
     }
+
+    /// The solid parts of a line, its start and slope on each axis [texels], square by square.
+    fn walk(&self, ways: [[f64; 2]; 2], [from, to]: Run, solid: &mut impl FnMut(f64, f64)) {
+        let mut way = Way::new(self.size, ways, [from, to]);
+        let mut at = from;
+        while let Some(texel) = way.texel() {
+            let square = self.squares[texel];
+            let end = way.leave(i64::from(square & FAR) - 1, at, to);
+            if square & SOLID != 0 && end > at {
+                solid(at, end);
+            }
+            if end >= to {
+                break;
+            }
+            at = end;
+        }
+    }
+
+    /// The same where the vertices' alpha is another one, its start and slope, texel by texel.
+    fn walk_fading(
+        &self,
+        ways: [[f64; 2]; 2],
+        alpha: [f64; 2],
+        [from, to]: Run,
+        solid: &mut impl FnMut(f64, f64),
+    ) {
+        let mut way = Way::new(self.size, ways, [from, to]);
+        let mut at = from;
+        while let Some(texel) = way.texel() {
+            let end = way.leave(0, at, to);
+            let own = f64::from(self.alpha[texel]);
+            let is_solid = |f: f64| own * (alpha[0] + f * alpha[1]) >= self.least;
+            let enough = (self.least / own - alpha[0]) / alpha[1];
+            let (a, b) = match (is_solid(at), is_solid(end)) {
+                (true, true) => (at, end),
+                (true, false) => (at, enough.clamp(at, end)),
+                (false, true) => (enough.clamp(at, end), end),
+                (false, false) => (at, at),
+            };
+            if b > a {
+                solid(a, b);
+            }
+            if end >= to {
+                break;
+            }
+            at = end;
+        }
+    }
 }
 
 /// A line over more copies of a texture than this is as solid as the copy in its middle: far more than a picture shows.
 const COPIES: f64 = 65_536.0;
 
-/// A line on its way over a texture.
-struct Walk<'m, H, F> {
-    map: &'m AlphaMap,
-    least: f64,
-    /// The vertices' alpha where the line starts, and its change over the line.
-    alpha: [f64; 2],
-    /// Where the line would start in this copy of the texture [texels], and its change over the line.
+/// A line on its way over the texels of one copy of a texture.
+struct Way {
+    size: [i64; 2],
     start: [f64; 2],
     slope: [f64; 2],
-    hidden: H,
-    found: F,
-    /// A solid part that may go on.
-    open: Option<[f64; 2]>,
+    /// One over the slope.
+    inverse: [f64; 2],
+    /// The texel where it is.
+    cell: [i64; 2],
 }
 
-impl<H: Fn(f64, f64) -> bool, F: FnMut(f64, f64)> Walk<'_, H, F> {
-    /// Whether a block is solid (true) or empty (false) as a whole on a part of the line; `None` where it is neither.
-    fn whole(&self, level: usize, block: usize, [from, to]: [f64; 2]) -> Option<bool> {
-        let [low, high] = self.map.levels[level].ranges[block].map(f64::from);
-        let a = self.alpha[0] + from * self.alpha[1];
-        let b = self.alpha[0] + to * self.alpha[1];
-        if low * a.min(b) >= self.least {
-            return Some(true);
-        }
-        (high * a.max(b) < self.least).then_some(false)
-    }
-
-    /// Finds the solid parts of the line between two fractions, where it passes a block.
-    fn descend(&mut self, level: usize, [x, y]: [u32; 2], [from, to]: [f64; 2]) {
-        let block = (y * self.map.levels[level].width + x) as usize;
-        match self.whole(level, block, [from, to]) {
-            Some(true) => return self.solid(from, to),
-            Some(false) => return,
-            None => {}
-        }
-        if level == 0 {
-            return self.fading(block, [from, to]);
-        }
-        if level > 2 && (self.hidden)(from, to) {
-            return;
-        }
-        let half = f64::from(1u32 << (level - 1));
-        let middle = [f64::from(2 * x + 1) * half, f64::from(2 * y + 1) * half];
-        let crossing = |axis: usize| {
-            let at = (middle[axis] - self.start[axis]) / self.slope[axis];
-            // Also what is not a number lies outside.
-            if at > from && at < to { at } else { to }
+impl Way {
+    fn new(size: [u32; 2], ways: [[f64; 2]; 2], [from, _]: Run) -> Self {
+        let size = size.map(i64::from);
+        let cell = |axis: usize| {
+            let [start, slope] = ways[axis];
+            ((start + from * slope) as i64).clamp(0, size[axis] - 1)
         };
-        let (u, v) = (crossing(0), crossing(1));
-        let below = &self.map.levels[level - 1];
-        let (columns, rows) = (below.width, below.ranges.len() as u32 / below.width);
-        let mut a = from;
-        for b in [u.min(v), u.max(v), to] {
-            if b > a {
-                let at = 0.5 * (a + b);
-                let beyond = |axis: usize| self.start[axis] + at * self.slope[axis] >= middle[axis];
-                let child = [
-                    (2 * x + u32::from(beyond(0))).min(columns - 1),
-                    (2 * y + u32::from(beyond(1))).min(rows - 1),
-                ];
-                self.descend(level - 1, child, [a, b]);
-                a = b;
-            }
+        Way {
+            size,
+            start: ways.map(|way| way[0]),
+            slope: ways.map(|way| way[1]),
+            inverse: ways.map(|way| 1.0 / way[1]),
+            cell: [cell(0), cell(1)],
         }
     }
 
-    /// The part of a texel on which the vertices' alpha is enough.
-    fn fading(&mut self, texel: usize, [from, to]: [f64; 2]) {
-        let [alpha, _] = self.map.levels[0].ranges[texel].map(f64::from);
-        let enough = (self.least / alpha - self.alpha[0]) / self.alpha[1];
-        if self.alpha[1] > 0.0 {
-            self.solid(enough.max(from), to);
+    /// The number of the texel where it is; `None` outside.
+    fn texel(&self) -> Option<usize> {
+        let [x, y] = self.cell;
+        let inside = (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y);
+        inside.then_some((y * self.size[0] + x) as usize)
+    }
+
+    // Whole parts by `as`: places on a texture are not negative but for rounding.
+    /// Goes on to the first texel that is further than `around` from the present one on either axis. Where on the line that is,
+    /// not before `at` and at most `to`.
+    fn leave(&mut self, around: i64, at: f64, to: f64) -> f64 {
+        let reach = |axis: usize| {
+            let ahead = self.slope[axis] > 0.0;
+            let border = self.cell[axis] + if ahead { around + 1 } else { -around };
+            let end = (border as f64 - self.start[axis]) * self.inverse[axis];
+            if self.slope[axis] == 0.0 {
+                f64::INFINITY
+            } else {
+                end.max(at)
+            }
+        };
+        let ends = [reach(0), reach(1)];
+        let (axis, other) = if ends[0] <= ends[1] { (0, 1) } else { (1, 0) };
+        let end = ends[axis];
+        if end >= to {
+            return to;
+        }
+        self.cell[axis] += if self.slope[axis] > 0.0 {
+            around + 1
         } else {
-            self.solid(from, enough.min(to));
-        }
+            -around - 1
+        };
+        let beside = (self.start[other] + end * self.slope[other]) as i64;
+        let own = self.cell[other];
+        self.cell[other] = beside.clamp(own - around, own + around);
+        end
     }
+}
 
-    fn solid(&mut self, from: f64, to: f64) {
-        match &mut self.open {
-            Some([_, end]) if *end == from => *end = to,
-            _ if to > from => {
-                self.close();
-                self.open = Some([from, to]);
+/// For each texel whether it is solid, and how far it is to the nearest one that is otherwise: the maximum norm in two sweeps
+/// (Rosenfeld & Pfaltz 1966).
+fn squares([width, height]: [u32; 2], alpha: &[u8], least: f64) -> Vec<u8> {
+    let (w, h) = (width as usize, height as usize);
+    let solid = |i: usize| f64::from(alpha[i]) >= least;
+    let mut far = vec![FAR; w * h];
+    // From a texel to one beside it, of the same kind or otherwise.
+    let nearer = |far: &[u8], i: usize, j: usize| match solid(i) == solid(j) {
+        true => far[j].saturating_add(1),
+        false => 1,
+    };
+    for backward in [false, true] {
+        for k in 0..w * h {
+            let i = if backward { w * h - 1 - k } else { k };
+            let (x, y) = (i % w, i / w);
+            let row = if backward {
+                (y + 1 < h).then(|| i + w)
+            } else {
+                y.checked_sub(1).map(|_| i - w)
+            };
+            let mut best = far[i];
+            if let Some(above) = row {
+                let left = if x > 0 { above - 1 } else { above };
+                let right = if x + 1 < w { above + 1 } else { above };
+                for j in left..=right {
+                    best = best.min(nearer(&far, i, j));
+                }
             }
-            _ => {}
+            let side = if backward {
+                (x + 1 < w).then_some(i + 1)
+            } else {
+                (x > 0).then(|| i - 1)
+            };
+            if let Some(j) = side {
+                best = best.min(nearer(&far, i, j));
+            }
+            far[i] = best;
         }
     }
-
-    fn close(&mut self) {
-        if let Some([from, to]) = self.open.take() {
-            (self.found)(from, to);
-        }
-    }
+    (0..w * h)
+        .map(|i| if solid(i) { far[i] | SOLID } else { far[i] })
+        .collect()
 }
 
 /// The nearest texel of a coordinate (0 to 1 spans the texture) on one axis.
@@ -319,7 +376,7 @@ mod tests {
     }
 
     /// The solid parts of a line by a walk from texel to texel, each asked at its middle.
-    fn walk(map: &AlphaMap, cut: &CutOut, line: [Spot; 2]) -> Vec<[f64; 2]> {
+    fn walk(map: &AlphaMap, line: [Spot; 2]) -> Vec<[f64; 2]> {
         let mut borders = vec![0.0, 1.0];
         for axis in 0..2 {
             let at = |spot: Spot| spot.uv[axis] * f64::from(map.size[axis]);
@@ -334,7 +391,7 @@ mod tests {
         let mut parts: Vec<[f64; 2]> = Vec::new();
         for pair in borders.windows(2).filter(|pair| pair[1] > pair[0]) {
             let middle = 0.5 * (pair[0] + pair[1]);
-            if map.is_solid(cut, line[0].lerp(line[1], middle)) {
+            if map.is_solid(line[0].lerp(line[1], middle)) {
                 match parts.last_mut() {
                     Some(last) if last[1] == pair[0] => last[1] = pair[1],
                     _ => parts.push([pair[0], pair[1]]),
@@ -345,12 +402,12 @@ mod tests {
     }
 
     fn texture(size: [u32; 2], wrap: [Wrap; 2], alpha: impl FnMut(usize) -> u8) -> AlphaMap {
-        let alphas = (0..(size[0] * size[1]) as usize).map(alpha);
-        AlphaMap::of(size, wrap, alphas.map(|a| [a; 2]).collect())
+        let alpha = (0..(size[0] * size[1]) as usize).map(alpha).collect();
+        AlphaMap::of(size, wrap, alpha, 127.5)
     }
 
     #[test]
-    fn the_pyramid_finds_the_parts_of_a_walk_from_texel_to_texel() {
+    fn squares_find_the_parts_of_a_walk_from_texel_to_texel() {
         let mut random = Random(0x1234_5678_9abc);
         let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
         let mut found_parts = 0;
@@ -378,15 +435,9 @@ mod tests {
                         _ => {}
                     }
                     let line = [a, b].map(|uv| Spot { uv, alpha: 1.0 });
-                    let cut = CutOut {
-                        map: 0,
-                        uvs: [DVec2::ZERO; 3],
-                        alphas: [1.0; 3],
-                        least: 127.5,
-                    };
-                    let truth = walk(&map, &cut, line);
+                    let truth = walk(&map, line);
                     let mut parts = Vec::new();
-                    map.solid_parts(127.5, line, |_, _| false, |from, to| parts.push([from, to]));
+                    map.solid_parts(line, [0.0, 1.0], |from, to| parts.push([from, to]));
                     let length = |parts: &[[f64; 2]]| parts.iter().map(|[a, b]| b - a).sum::<f64>();
                     assert!(
                         (length(&parts) - length(&truth)).abs() < 1e-12,
@@ -423,10 +474,10 @@ mod tests {
         };
         let parts = |map: &AlphaMap, line: [Spot; 2]| {
             let mut parts = Vec::new();
-            map.solid_parts(127.5, line, |_, _| false, |from, to| parts.push([from, to]));
+            map.solid_parts(line, [0.0, 1.0], |from, to| parts.push([from, to]));
             parts
         };
-        let plain = AlphaMap::plain();
+        let plain = AlphaMap::new(None, 127.5);
         assert_eq!(
             parts(&plain, [spot(0.0, 0.0), spot(1.0, 1.0)]),
             [[0.5, 1.0]]
@@ -454,7 +505,7 @@ mod tests {
                 uv: DVec2::splat(x),
                 alpha: 1.0,
             });
-            map.solid_parts(127.5, line, |_, _| false, |_, _| {});
+            map.solid_parts(line, [0.0, 1.0], |_, _| {});
         }
     }
 }

@@ -8,7 +8,7 @@
 use super::Ray;
 use super::curtain::Run;
 use super::geometry::Geometry;
-use super::shade::{Shade, holds};
+use super::shade::Shade;
 use glam::{DMat3, DVec3};
 
 /// A lamp nearer to the ray than this share of the scene's diagonal lies on it.
@@ -126,15 +126,9 @@ impl Geometry {
         let (first, last) = (spot(edge_a), spot(edge_b));
         let line = [first.lerp(last, from), first.lerp(last, to)];
         let at = |f: f64| shaded(from + f * (to - from));
-        let mut parts: Vec<Run> = Vec::new();
-        let hidden = |p: f64, q: f64| {
-            let (p, q) = (at(p), at(q));
-            holds(&shade.dark, p.min(q).max(span[0]), p.max(q).min(span[1]))
-        };
-        map.solid_parts(cut.least, line, hidden, |p, q| parts.push([at(p), at(q)]));
-        for part in parts {
-            shade.add(veil, part, span, together);
-        }
+        map.solid_parts(line, [0.0, 1.0], |p, q| {
+            shade.add(veil, [at(p), at(q)], span, together);
+        });
     }
 
     /// What shades a ray on which the lamp itself lies: what stands before the lamp does up to itself, what stands behind it from

@@ -188,7 +188,7 @@ impl Geometry {
     pub fn casters(&self) -> impl Iterator<Item = (u32, Opacity)> + '_ {
         let opacity = |index: usize| Opacity {
             share: self.veil(index).map_or(1.0, |(_, pass)| 1.0 - pass),
-            least: self.cut_out(index).map(|(cut, _)| cut.least / 255.0),
+            least: self.cut_out(index).map(|(_, map)| map.least() / 255.0),
         };
         let opacities = (0..self.corners.len()).map(opacity);
         self.scene_triangle.iter().copied().zip(opacities)
@@ -241,6 +241,11 @@ impl Geometry {
             }
         }
         solid
+    }
+
+    /// Whether the first thing on a ray lets light through.
+    pub fn is_veiled(&self, ray: &Ray) -> bool {
+        self.has_veils() && !self.met(ray, 0.0, f64::INFINITY).1.is_empty()
     }
 
     /// Whether anything that stops all light stands on a ray between the distances `near` and `far` [m].
@@ -372,7 +377,7 @@ impl Geometry {
     /// Whether a kept triangle is solid there: it always is unless alpha cuts a hole.
     fn solid_at(&self, index: usize, barycentric: [f64; 2]) -> bool {
         self.cut_out(index)
-            .is_none_or(|(cut, map)| map.is_solid(cut, cut.spot(barycentric)))
+            .is_none_or(|(cut, map)| map.is_solid(cut.spot(barycentric)))
     }
 
     /// The holes of a kept triangle, if it has any, and the alpha map of its material.
@@ -397,7 +402,7 @@ fn cut_outs(
     opacity: impl Fn(u32) -> Opacity,
 ) -> (Vec<u32>, Vec<CutOut>, Vec<AlphaMap>) {
     let mesh = &scene.mesh;
-    let mut map_of: HashMap<Option<usize>, usize> = HashMap::new();
+    let mut map_of: HashMap<(Option<usize>, u64), usize> = HashMap::new();
     let (mut holes, mut cut_outs, mut maps) = (Vec::new(), Vec::new(), Vec::new());
     for (index, number) in triangles.iter().enumerate() {
         let Some(least) = opacity(*number).least else {
@@ -405,9 +410,9 @@ fn cut_outs(
         };
         let triangle = &mesh.triangles[*number as usize];
         let texture = scene.materials[triangle.material as usize].texture;
-        let map = *map_of.entry(texture).or_insert_with(|| {
-            let map = |index: usize| AlphaMap::new(&scene.textures[index]);
-            maps.push(texture.map_or_else(AlphaMap::plain, map));
+        let map = *map_of.entry((texture, least.to_bits())).or_insert_with(|| {
+            let texture = texture.map(|index| &scene.textures[index]);
+            maps.push(AlphaMap::new(texture, 255.0 * least));
             maps.len() - 1
         });
         cut_outs.push(CutOut {
@@ -416,7 +421,6 @@ fn cut_outs(
             alphas: triangle
                 .vertices
                 .map(|v| mesh.colors.get(v as usize).map_or(1.0, |color| color.w)),
-            least: 255.0 * least,
         });
         holes.resize(triangles.len(), 0);
         holes[index] = cut_outs.len() as u32;

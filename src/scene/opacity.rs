@@ -78,7 +78,7 @@ impl Opacities {
             of_material: Vec::with_capacity(scene.materials.len()),
             warnings: Vec::new(),
         };
-        let (mut absent, mut sharpened) = (Vec::new(), Vec::new());
+        let (mut absent, mut sharpened, mut partly) = (Vec::new(), Vec::new(), Vec::new());
         for (material, (triangles, vertices)) in scene.materials.iter().zip(&users) {
             let reads_alpha = material.alpha_mode != AlphaMode::Opaque && !material.transmissive;
             let texture = material.texture.filter(|_| reads_alpha).map(|index| {
@@ -89,6 +89,9 @@ impl Opacities {
             opacities.of_material.push(opacity);
             if *triangles == 0 || !reads_alpha {
                 continue;
+            }
+            if opacity.is_veil() {
+                partly.push(material.name.clone());
             }
             if opacity.share == 0.0 {
                 absent.push((material.name.clone(), *triangles));
@@ -102,6 +105,10 @@ impl Opacities {
         }
         if !absent.is_empty() {
             let warning = Warning::WhollySeeThrough { materials: absent };
+            opacities.warnings.push(warning);
+        }
+        if !partly.is_empty() {
+            let warning = Warning::PartlySeeThrough { materials: partly };
             opacities.warnings.push(warning);
         }
         if !sharpened.is_empty() {

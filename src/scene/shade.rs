@@ -107,6 +107,23 @@ pub(super) fn holds(runs: &[Run], from: f64, to: f64) -> bool {
     after > 0 && runs[after - 1][1] >= to
 }
 
+/// Adds the parts of [from, to] that are in none of the sorted, separate runs.
+pub(super) fn gaps(runs: &[Run], from: f64, to: f64, gaps: &mut Vec<Run>) {
+    let mut at = from;
+    for run in &runs[runs.partition_point(|r| r[1] <= from)..] {
+        if run[0] >= to {
+            break;
+        }
+        if run[0] > at {
+            gaps.push([at, run[0]]);
+        }
+        at = run[1];
+    }
+    if at < to {
+        gaps.push([at, to]);
+    }
+}
+
 /// The runs of [0, far] between the given ones: from dark to lit and back.
 pub fn complement(runs: &[Run], far: f64) -> impl Iterator<Item = Run> + '_ {
     let starts = std::iter::once(0.0).chain(runs.iter().map(|r| r[1]));
