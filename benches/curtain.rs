@@ -1,6 +1,6 @@
 //! Milliseconds a ray for the exact lit runs among leaves: cards whose texture's alpha cuts them out.
 //!
-//! `cargo bench --bench curtain`. One core; rays through a camera's picture, each up to the first surface, under one sun.
+//! `cargo bench --bench curtain [-- NAME]`. One core; rays through a camera's picture, each up to the first surface, under one sun.
 
 use glam::{DVec2, DVec3};
 use std::time::Instant;
@@ -72,7 +72,14 @@ fn cards(count: u32, size: f64, texture: Texture) -> StudyView {
     }
 }
 
-fn measure(view: &StudyView, rays: u32) {
+fn measure(name: &str, view: &StudyView, rays: u32) {
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
+    if !wanted.is_empty() && !wanted.iter().any(|w| name.contains(w.as_str())) {
+        return;
+    }
     let geometry = Geometry::new(&view.scene);
     let sun = DVec3::new(0.35, 0.77, -0.45).normalize();
     let beam = [Beam::parallel(sun, DVec3::ONE)];
@@ -105,7 +112,7 @@ fn measure(view: &StudyView, rays: u32) {
     }
     let shadow = start.elapsed().as_secs_f64() / rays.len() as f64;
     println!(
-        "{:>8} triangles: {:.4} ms a ray ({:.1} runs, {:.12} m dark), {:.2} us a shadow ray ({hidden} hidden)",
+        "{name}, {} triangles: {:.4} ms a ray ({:.1} runs, {:.12} m dark), {:.2} us a shadow ray ({hidden} hidden)",
         view.scene.mesh.triangles.len(),
         1e3 * curtain,
         f64::from(runs as u32) / rays.len() as f64,
@@ -116,11 +123,19 @@ fn measure(view: &StudyView, rays: u32) {
 
 fn main() {
     let texture = leaves(1024, 512);
-    measure(&cards(200, 1.0, texture.clone()), 2000);
-    measure(&cards(200, 4.0, texture.clone()), 1000);
-    measure(&forest(4000), 2000);
+    measure(
+        "tree of cards of 1 m",
+        &cards(200, 1.0, texture.clone()),
+        4000,
+    );
+    measure(
+        "tree of cards of 4 m",
+        &cards(200, 4.0, texture.clone()),
+        2000,
+    );
+    measure("small wood", &forest(4000), 2000);
     let mut wood = forest(100_000);
-    measure(&wood, 400);
+    measure("wood, small texture", &wood, 400);
     wood.scene.textures = vec![texture];
-    measure(&wood, 400);
+    measure("wood, large texture", &wood, 400);
 }

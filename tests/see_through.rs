@@ -125,6 +125,20 @@ fn same_pictures(a: &Conditions, b: &Conditions) {
     }
 }
 
+/// The same light, but for what rounding and the fit of shadow maps to the bounds of a scene may move.
+fn same_light(a: &Conditions, b: &Conditions) {
+    let (a, b) = (render(a), render(b));
+    for (a, b) in a.layers.iter().zip(&b.layers) {
+        let off = |(a, b): &(&glam::Vec3, &glam::Vec3)| a.distance(**b) > 1e-5 * b.length();
+        assert_eq!(
+            a.rgb.iter().zip(&b.rgb).filter(off).count(),
+            0,
+            "{}",
+            a.name
+        );
+    }
+}
+
 fn warnings(conditions: &Conditions) -> String {
     let lines: Vec<String> = conditions.warnings.iter().map(Warning::message).collect();
     lines.join("\n")
@@ -191,7 +205,7 @@ fn the_alpha_of_vertices_counts() {
     };
     // Alpha 0: nothing is there, and it is said.
     let gone = seen(foggy(with(|i| if i < 6 { 1.0 } else { 0.0 }, mask())), 1);
-    same_pictures(&gone, &seen(foggy(roofs(&[], mask())), 1));
+    same_light(&gone, &seen(foggy(roofs(&[], mask())), 1));
     assert!(
         warnings(&gone).contains("`pane` (its 2 triangles are not there)"),
         "{}",
@@ -238,11 +252,9 @@ fn the_alpha_of_vertices_counts() {
 #[test]
 fn panes_let_their_share_of_sunlight_through_to_the_floor() {
     let sun_of = |scene: Scene| layer(&render(&seen(scene, 1)), Field::Sun);
-    // Nothing but the floor is in the picture: the roofs are far above the camera.
+    // Nothing but the floor is in the picture: the roofs are far above the camera, and wide enough to shade all of it.
     let heights = [20.0, 21.0];
     let open = sun_of(roofs(&[], opaque()));
-    let shaded = sun_of(roofs(&heights[..1], opaque()));
-    assert!(shaded.iter().zip(&open).any(|(a, b)| a != b) || true);
     let wide = |heights: &[f64], material: Material| {
         let mut scene = roofs(heights, material);
         for p in &mut scene.mesh.positions[6..] {
@@ -333,8 +345,6 @@ fn through_a_pane_the_picture_is_the_mean_of_both() {
     let alpha = 0.3;
     let with = |material: Material, heights: &[f64]| seen(roofs(heights, material), samples);
     let pane = with(blend(alpha), &[0.5]);
-    // The floor behind the pane lies in the pane's shade, which a picture of the roof cannot show: take the sky's share away
-    // and let the sun come from the eye's side, so that what is seen through the pane is known in closed form.
     let [reference, gpu] = both(&pane);
     let open = layer(&render(&with(opaque(), &[])), Field::Sun);
     let roof = layer(&render(&with(opaque(), &[0.5])), Field::Sun);
@@ -424,7 +434,7 @@ fn what_is_not_there_or_fades_is_said() {
     assert!(
         warnings(&nothing).contains("wholly see-through: `pane` (its 2 triangles are not there)")
     );
-    same_pictures(&nothing, &seen(roofs(&[], blend(0.0)), 1));
+    same_light(&nothing, &seen(roofs(&[], blend(0.0)), 1));
     let gradient = textured(roofs(&[1.0], blend(1.0)), texture(|x, _| (17 * x) as u8));
     assert!(warnings(&seen(gradient, 1)).contains("cut at half of its greatest: `pane`"));
     // A soft outline is no gradient.

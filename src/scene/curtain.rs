@@ -19,8 +19,7 @@ use super::shade::{Shade, Veiled, gaps, holds};
 use crate::beam::Beam;
 use glam::{BVec4A, DMat3, DVec3, Vec3A, Vec4};
 
-/// A run of a ray between two distances [m].
-pub type Run = [f64; 2];
+pub use super::shade::Run;
 
 /// Below this sine of the angle between ray and sun, the ray's points all see the sun along the ray itself.
 const PARALLEL: f64 = 1e-9;

@@ -5,7 +5,7 @@
 //! does, Hart 1996, in the maximum norm): only where leaves end does it go by single texels. The parts are those of a walk from
 //! texel to texel.
 
-use super::curtain::Run;
+use super::shade::Run;
 use super::{Texture, Wrap};
 use glam::DVec2;
 
@@ -187,8 +187,8 @@ impl AlphaMap {
     fn walk(&self, ways: [[f64; 2]; 2], [from, to]: Run, solid: &mut impl FnMut(f64, f64)) {
         let mut way = Way::new(self.size, ways, [from, to]);
         let mut at = from;
-        while let Some(texel) = way.texel() {
-            let square = self.squares[texel];
+        loop {
+            let square = self.squares[way.texel()];
             let end = way.leave(i64::from(square & FAR) - 1, at, to);
             if square & SOLID != 0 && end > at {
                 solid(at, end);
@@ -210,7 +210,8 @@ impl AlphaMap {
     ) {
         let mut way = Way::new(self.size, ways, [from, to]);
         let mut at = from;
-        while let Some(texel) = way.texel() {
+        loop {
+            let texel = way.texel();
             let end = way.leave(0, at, to);
             let own = f64::from(self.alpha[texel]);
             let is_solid = |f: f64| own * (alpha[0] + f * alpha[1]) >= self.least;
@@ -262,11 +263,9 @@ impl Way {
         }
     }
 
-    /// The number of the texel where it is; `None` outside.
-    fn texel(&self) -> Option<usize> {
-        let [x, y] = self.cell;
-        let inside = (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y);
-        inside.then_some((y * self.size[0] + x) as usize)
+    /// The number of the texel where it is.
+    fn texel(&self) -> usize {
+        (self.cell[1] * self.size[0] + self.cell[0]) as usize
     }
 
     // Whole parts by `as`: places on a texture are not negative but for rounding.
@@ -289,11 +288,17 @@ impl Way {
         if end >= to {
             return to;
         }
-        self.cell[axis] += if self.slope[axis] > 0.0 {
-            around + 1
-        } else {
-            -around - 1
-        };
+        let next = self.cell[axis]
+            + if self.slope[axis] > 0.0 {
+                around + 1
+            } else {
+                -around - 1
+            };
+        // But for rounding the copy of the texture ends here.
+        if next < 0 || next >= self.size[axis] {
+            return to;
+        }
+        self.cell[axis] = next;
         let beside = (self.start[other] + end * self.slope[other]) as i64;
         let own = self.cell[other];
         self.cell[other] = beside.clamp(own - around, own + around);

@@ -6,9 +6,8 @@
 //! On the cut this has no pole, so that the interval's ends are those of the cut.
 
 use super::Ray;
-use super::curtain::Run;
 use super::geometry::Geometry;
-use super::shade::Shade;
+use super::shade::{Run, Shade};
 use glam::{DMat3, DVec3};
 
 /// A lamp nearer to the ray than this share of the scene's diagonal lies on it.

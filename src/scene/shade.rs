@@ -1,7 +1,9 @@
 //! What shades a ray under one beam: runs without light, and runs that surfaces veil that let a part of it through.
 
-use super::curtain::Run;
 use std::collections::BTreeMap;
+
+/// A run of a ray between two distances [m].
+pub type Run = [f64; 2];
 
 /// What shades a ray under one beam.
 #[derive(Debug, Clone, Default, PartialEq)]
