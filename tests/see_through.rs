@@ -3,8 +3,10 @@
 mod common;
 
 use common::build::*;
+use common::files::{Folder, glb};
 use common::shafts;
 use glam::{DVec2, DVec3, DVec4};
+use serde_json::json;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::effect::Field;
 use tyndall::frame::Frame;
@@ -483,4 +485,85 @@ fn a_gpu_leaves_sunlight_through_panes_to_the_reference() {
     let leaves = seen(foggy(textured(roofs(&[1.0], blend(1.0)), disc(255))), 1);
     let plan = Plan::new(&leaves, &Overrules::default()).expect("the plan is sound");
     assert!(!step(&plan, "surface_sun").is_by_reference(&leaves));
+}
+
+/// What a ray through the middle of a loaded scene's upper quad lets through.
+fn through_the_quad(scene: &Scene) -> f64 {
+    let ray = Ray {
+        origin: DVec3::new(0.3, 0.6, 1.0),
+        direction: DVec3::NEG_Z,
+    };
+    Geometry::new(scene).transmittance(&ray, 0.0, 2.0)
+}
+
+#[test]
+fn dissolve_of_an_obj_is_opacity() {
+    let folder = Folder::new();
+    for (line, through) in [
+        ("d 0.99", 0.01),
+        ("d 1", 0.0),
+        ("d 0.25", 0.75),
+        ("d 0", 1.0),
+    ] {
+        folder.put("pane.mtl", format!("newmtl pane\nKd 0.5 0.5 0.5\n{line}\n"));
+        let obj = "mtllib pane.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl pane\nf 1 2 3 4\n";
+        let scene = folder.load("pane.obj", obj).expect("it loads");
+        let found = through_the_quad(&scene);
+        assert!((found - through).abs() < 1e-6, "{line}: {found}");
+        let said = Geometry::new(&scene).warnings().len();
+        assert_eq!(said, usize::from(through > 0.0), "{line}");
+    }
+}
+
+#[test]
+fn alpha_of_a_gltf_means_what_its_mode_says() {
+    let quad = |mode: &str, factor: f64, color: [u8; 4]| {
+        let mut bin: Vec<u8> = [
+            0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0,
+        ]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+        (0..4).for_each(|_| bin.extend(color));
+        bin.extend([0u8, 1, 2, 0, 2, 3]);
+        let json = json!({
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}, "indices": 2, "material": 0}]}],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+                {"bufferView": 1, "componentType": 5121, "count": 4, "type": "VEC4", "normalized": true},
+                {"bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR"},
+            ],
+            "bufferViews": [
+                {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+                {"buffer": 0, "byteOffset": 48, "byteLength": 16},
+                {"buffer": 0, "byteOffset": 64, "byteLength": 6},
+            ],
+            "buffers": [{"byteLength": bin.len()}],
+            "materials": [{"name": "pane", "alphaMode": mode, "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, factor]}}],
+        });
+        let folder = Folder::new();
+        let scene = folder.load("quad.glb", glb(&json, &bin)).expect("it loads");
+        through_the_quad(&scene)
+    };
+    let white = [255, 255, 255, 255];
+    let clear = [255, 255, 255, 0];
+    let half = [255, 255, 255, 102];
+    for (mode, factor, color, through) in [
+        ("BLEND", 1.0, white, 0.0),
+        ("BLEND", 0.5, white, 0.5),
+        ("BLEND", 0.5, half, 0.8),
+        ("BLEND", 1.0, clear, 1.0),
+        ("MASK", 1.0, white, 0.0),
+        ("MASK", 1.0, clear, 1.0),
+        ("MASK", 1.0, half, 1.0),
+        ("MASK", 0.4, white, 1.0),
+        ("OPAQUE", 0.1, clear, 0.0),
+    ] {
+        let found = quad(mode, factor, color);
+        assert!(
+            (found - through).abs() < 1e-6,
+            "{mode} {factor} {color:?}: {found}"
+        );
+    }
 }

@@ -184,20 +184,13 @@ impl AlphaMap {
     }
 
     /// The solid parts of a line, its start and slope on each axis [texels], square by square.
-    fn walk(&self, ways: [[f64; 2]; 2], [from, to]: Run, solid: &mut impl FnMut(f64, f64)) {
-        let mut way = Way::new(self.size, ways, [from, to]);
-        let mut at = from;
-        loop {
-            let square = self.squares[way.texel()];
-            let end = way.leave(i64::from(square & FAR) - 1, at, to);
-            if square & SOLID != 0 && end > at {
-                solid(at, end);
+    fn walk(&self, ways: [[f64; 2]; 2], run: Run, solid: &mut impl FnMut(f64, f64)) {
+        let around = |texel: usize| i32::from(self.squares[texel] & FAR) - 1;
+        self.visit(ways, run, around, |texel, from, to| {
+            if self.squares[texel] & SOLID != 0 {
+                solid(from, to);
             }
-            if end >= to {
-                break;
-            }
-            at = end;
-        }
+        });
     }
 
     /// The same where the vertices' alpha is another one, its start and slope, texel by texel.
@@ -205,29 +198,86 @@ impl AlphaMap {
         &self,
         ways: [[f64; 2]; 2],
         alpha: [f64; 2],
-        [from, to]: Run,
+        run: Run,
         solid: &mut impl FnMut(f64, f64),
     ) {
-        let mut way = Way::new(self.size, ways, [from, to]);
+        self.visit(
+            ways,
+            run,
+            |_| 0,
+            |texel, from, to| {
+                let own = f64::from(self.alpha[texel]);
+                let is_solid = |f: f64| own * (alpha[0] + f * alpha[1]) >= self.least;
+                let enough = (self.least / own - alpha[0]) / alpha[1];
+                let (a, b) = match (is_solid(from), is_solid(to)) {
+                    (true, true) => (from, to),
+                    (true, false) => (from, enough.clamp(from, to)),
+                    (false, true) => (enough.clamp(from, to), to),
+                    (false, false) => (from, from),
+                };
+                if b > a {
+                    solid(a, b);
+                }
+            },
+        );
+    }
+
+    /// Visits the texels on a line within one copy of the texture, its start and slope on each axis [texels]: those that lie
+    /// `around` one of them, as many on each side, count as one with it. Each with the part of the line, which is not empty.
+    fn visit(
+        &self,
+        [[px, dx], [py, dy]]: [[f64; 2]; 2],
+        [from, to]: Run,
+        around: impl Fn(usize) -> i32,
+        mut found: impl FnMut(usize, f64, f64),
+    ) {
+        let [width, height] = self.size.map(|n| n as i32);
+        let (ix, iy) = (1.0 / dx, 1.0 / dy);
+        // Whole parts by `as`: places on a texture are not negative but for rounding.
+        let mut x = ((px + from * dx) as i32).clamp(0, width - 1);
+        let mut y = ((py + from * dy) as i32).clamp(0, height - 1);
         let mut at = from;
-        loop {
-            let texel = way.texel();
-            let end = way.leave(0, at, to);
-            let own = f64::from(self.alpha[texel]);
-            let is_solid = |f: f64| own * (alpha[0] + f * alpha[1]) >= self.least;
-            let enough = (self.least / own - alpha[0]) / alpha[1];
-            let (a, b) = match (is_solid(at), is_solid(end)) {
-                (true, true) => (at, end),
-                (true, false) => (at, enough.clamp(at, end)),
-                (false, true) => (enough.clamp(at, end), end),
-                (false, false) => (at, at),
+        while at < to {
+            let texel = (y * width + x) as usize;
+            let r = around(texel);
+            // The borders ahead, and the texels behind them.
+            let (bx, beyond_x) = if dx > 0.0 {
+                (x + r + 1, x + r + 1)
+            } else {
+                (x - r, x - r - 1)
             };
-            if b > a {
-                solid(a, b);
+            let (by, beyond_y) = if dy > 0.0 {
+                (y + r + 1, y + r + 1)
+            } else {
+                (y - r, y - r - 1)
+            };
+            let tx = if dx == 0.0 {
+                f64::INFINITY
+            } else {
+                (f64::from(bx) - px) * ix
+            };
+            let ty = if dy == 0.0 {
+                f64::INFINITY
+            } else {
+                (f64::from(by) - py) * iy
+            };
+            let mut end = tx.min(ty).max(at);
+            let beside_x = ((px + end * dx) as i32).clamp(x - r, x + r);
+            let beside_y = ((py + end * dy) as i32).clamp(y - r, y + r);
+            let next = if tx <= ty {
+                (beyond_x, beside_y)
+            } else {
+                (beside_x, beyond_y)
+            };
+            // But for rounding the copy of the texture ends only where the line does.
+            let inside = (0..width).contains(&next.0) && (0..height).contains(&next.1);
+            if end >= to || !inside {
+                end = to;
             }
-            if end >= to {
-                break;
+            if end > at {
+                found(texel, at, end);
             }
+            (x, y) = next;
             at = end;
         }
     }
@@ -235,76 +285,6 @@ impl AlphaMap {
 
 /// A line over more copies of a texture than this is as solid as the copy in its middle: far more than a picture shows.
 const COPIES: f64 = 65_536.0;
-
-/// A line on its way over the texels of one copy of a texture.
-struct Way {
-    size: [i64; 2],
-    start: [f64; 2],
-    slope: [f64; 2],
-    /// One over the slope.
-    inverse: [f64; 2],
-    /// The texel where it is.
-    cell: [i64; 2],
-}
-
-impl Way {
-    fn new(size: [u32; 2], ways: [[f64; 2]; 2], [from, _]: Run) -> Self {
-        let size = size.map(i64::from);
-        let cell = |axis: usize| {
-            let [start, slope] = ways[axis];
-            ((start + from * slope) as i64).clamp(0, size[axis] - 1)
-        };
-        Way {
-            size,
-            start: ways.map(|way| way[0]),
-            slope: ways.map(|way| way[1]),
-            inverse: ways.map(|way| 1.0 / way[1]),
-            cell: [cell(0), cell(1)],
-        }
-    }
-
-    /// The number of the texel where it is.
-    fn texel(&self) -> usize {
-        (self.cell[1] * self.size[0] + self.cell[0]) as usize
-    }
-
-    // Whole parts by `as`: places on a texture are not negative but for rounding.
-    /// Goes on to the first texel that is further than `around` from the present one on either axis. Where on the line that is,
-    /// not before `at` and at most `to`.
-    fn leave(&mut self, around: i64, at: f64, to: f64) -> f64 {
-        let reach = |axis: usize| {
-            let ahead = self.slope[axis] > 0.0;
-            let border = self.cell[axis] + if ahead { around + 1 } else { -around };
-            let end = (border as f64 - self.start[axis]) * self.inverse[axis];
-            if self.slope[axis] == 0.0 {
-                f64::INFINITY
-            } else {
-                end.max(at)
-            }
-        };
-        let ends = [reach(0), reach(1)];
-        let (axis, other) = if ends[0] <= ends[1] { (0, 1) } else { (1, 0) };
-        let end = ends[axis];
-        if end >= to {
-            return to;
-        }
-        let next = self.cell[axis]
-            + if self.slope[axis] > 0.0 {
-                around + 1
-            } else {
-                -around - 1
-            };
-        // But for rounding the copy of the texture ends here.
-        if next < 0 || next >= self.size[axis] {
-            return to;
-        }
-        self.cell[axis] = next;
-        let beside = (self.start[other] + end * self.slope[other]) as i64;
-        let own = self.cell[other];
-        self.cell[other] = beside.clamp(own - around, own + around);
-        end
-    }
-}
 
 /// For each texel whether it is solid, and how far it is to the nearest one that is otherwise: the maximum norm in two sweeps
 /// (Rosenfeld & Pfaltz 1966).
@@ -354,6 +334,9 @@ fn squares([width, height]: [u32; 2], alpha: &[u8], least: f64) -> Vec<u8> {
 pub fn texel(coordinate: f64, size: u32, wrap: Wrap) -> u32 {
     let position = (coordinate * f64::from(size)).floor();
     let n = f64::from(size);
+    if (0.0..n).contains(&position) {
+        return position as u32;
+    }
     let inside = match wrap {
         Wrap::Repeat => position.rem_euclid(n),
         Wrap::Mirror => {
