@@ -124,25 +124,35 @@ impl AlphaMap {
                 }
             }
         };
-        let mut piece = |run: Run| {
-            let middle = 0.5 * (run[0] + run[1]);
-            let within = |axis: usize| self.unwrapped(axis, start[axis], slope[axis], middle);
-            let ways = [within(0), within(1)];
+        let mut piece = |ways: [[f64; 2]; 2], run: Run| {
             if alpha == [1.0, 0.0] {
                 self.walk(ways, run, &mut solid);
             } else {
                 self.walk_fading(ways, alpha, run, &mut solid);
             }
         };
+        // Most lines stay within one copy.
+        let inside = |axis: usize| {
+            let (a, b) = (start[axis], start[axis] + slope[axis]);
+            a.min(b) >= 0.0 && (a.max(b) < size[axis] || a.max(b) == size[axis] && a != b)
+        };
+        let one = inside(0) && inside(1);
         let mut borders = Vec::new();
-        for axis in 0..2 {
-            self.borders(axis, start[axis], slope[axis], within, &mut borders);
+        if !one {
+            for axis in 0..2 {
+                self.borders(axis, start[axis], slope[axis], within, &mut borders);
+            }
+            borders.sort_unstable_by(f64::total_cmp);
         }
-        borders.sort_unstable_by(f64::total_cmp);
         let mut at = within[0];
         for border in borders.into_iter().chain([within[1]]) {
             if border > at {
-                piece([at, border]);
+                let middle = 0.5 * (at + border);
+                let way = |axis: usize| match one {
+                    true => [start[axis], slope[axis]],
+                    false => self.unwrapped(axis, start[axis], slope[axis], middle),
+                };
+                piece([way(0), way(1)], [at, border]);
                 at = border;
             }
         }
