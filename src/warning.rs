@@ -193,7 +193,7 @@ impl fmt::Display for Warning {
                         format!("`{name}` (its {count} {are} not there)")
                     })
                     .collect();
-                write!(f, "wholly see-through: {}", list.join(", "))
+                write!(f, "wholly see-through: {}", listed(&list))
             }
             Warning::PartlySeeThrough { materials } => write!(
                 f,
@@ -252,10 +252,20 @@ impl Serialize for Warning {
     }
 }
 
+/// The first of a list, and how many more there are.
+fn listed(items: &[String]) -> String {
+    const MOST: usize = 8;
+    let shown = items[..items.len().min(MOST)].join(", ");
+    match items.len().saturating_sub(MOST) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
 /// Names in backquotes.
 fn quoted(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    quoted.join(", ")
+    listed(&quoted)
 }
 
 /// What many or one do.

@@ -439,11 +439,25 @@ fn what_is_not_there_or_fades_is_said() {
     same_light(&nothing, &seen(roofs(&[], blend(0.0)), 1));
     let gradient = textured(roofs(&[1.0], blend(1.0)), texture(|x, _| (17 * x) as u8));
     assert!(warnings(&seen(gradient, 1)).contains("cut at half of its greatest: `pane`"));
+    // Nor does one go unsaid that is nowhere less than half.
+    let faint = textured(
+        roofs(&[1.0], blend(1.0)),
+        texture(|x, _| 135 + (8 * x) as u8),
+    );
+    assert!(warnings(&seen(faint, 1)).contains("cut at half of its greatest: `pane`"));
     // A soft outline is no gradient.
     assert_eq!(
         warnings(&seen(textured(roofs(&[1.0], blend(1.0)), disc(255)), 1)),
         ""
     );
+    // A list of names ends somewhere.
+    let mut many = roofs(&[1.0; 20], blend(0.0));
+    many.materials = (0..41).map(|_| blend(0.0)).collect();
+    for (i, triangle) in many.mesh.triangles.iter_mut().enumerate() {
+        triangle.material = i as u32 % 41;
+    }
+    many.materials[0] = opaque();
+    assert!(warnings(&seen(many, 1)).ends_with("and 32 more"));
     // A material that nothing has is not spoken of.
     let mut unused = roofs(&[], opaque());
     unused.materials.push(blend(0.0));

@@ -95,7 +95,7 @@ impl Opacities {
             }
             if opacity.share == 0.0 {
                 absent.push((material.name.clone(), *triangles));
-            } else if material.alpha_mode == AlphaMode::Blend && opacity.least.is_some() {
+            } else if material.alpha_mode == AlphaMode::Blend {
                 let between = texture.map_or(0.0, |t| t.between);
                 let fades = vertices[0] < 0.95 * vertices[1];
                 if between > NOTICEABLE || fades {
