@@ -4,6 +4,7 @@ struct Caster {
     @builtin(position) position: vec4f,
     @location(0) uv: vec2f,
     @location(1) @interpolate(flat) triangle: u32,
+    @location(2) alpha: f32,
 }
 
 fn caster(stored: vec3f, part: u32) -> vec4f {
@@ -22,7 +23,7 @@ fn caster(stored: vec3f, part: u32) -> vec4f {
 @vertex
 fn map_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32,
               @builtin(instance_index) part: u32) -> Caster {
-    return Caster(caster(corner, part), vec2f(0.0), vertex / 3u);
+    return Caster(caster(corner, part), vec2f(0.0), vertex / 3u, 1.0);
 }
 
 @fragment
@@ -33,14 +34,18 @@ fn map_fragment(in: Caster) -> @location(0) u32 {
 @vertex
 fn map_cut_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32,
                   @builtin(instance_index) part: u32) -> Caster {
-    return Caster(caster(corner, part), uv_of(attributes[vertex]), vertex / 3u);
+    let own = attributes[vertex];
+    return Caster(caster(corner, part), uv_of(own), vertex / 3u, alpha_of(own));
 }
 
 @fragment
 fn map_cut_fragment(in: Caster) -> @location(0) u32 {
     let material = materials[facets[in.triangle].material];
-    let texel = texels[texel_index(material, in.uv)];
-    if f32(texel >> 24u) < material.least_alpha {
+    var alpha = 255.0;
+    if material.size.x > 0u {
+        alpha = f32(texels[texel_index(material, in.uv)] >> 24u);
+    }
+    if alpha * in.alpha < material.least_alpha {
         discard;
     }
     return (in.triangle + 1u) | CUT_OUT;

@@ -32,18 +32,23 @@ struct CutOut {
     @builtin(position) position: vec4f,
     @location(0) uv: vec2f,
     @location(1) @interpolate(flat) triangle: u32,
+    @location(2) alpha: f32,
 }
 
 @vertex
 fn picture_cut_vertex(@location(0) corner: vec3f, @builtin(vertex_index) vertex: u32) -> CutOut {
-    return CutOut(projected(corner), uv_of(attributes[vertex]), vertex / 3u);
+    let own = attributes[vertex];
+    return CutOut(projected(corner), uv_of(own), vertex / 3u, alpha_of(own));
 }
 
 @fragment
 fn picture_cut_fragment(in: CutOut) -> @location(0) u32 {
     let material = materials[facets[in.triangle].material];
-    let texel = texels[texel_index(material, in.uv)];
-    if f32(texel >> 24u) < material.least_alpha {
+    var alpha = 255.0;
+    if material.size.x > 0u {
+        alpha = f32(texels[texel_index(material, in.uv)] >> 24u);
+    }
+    if alpha * in.alpha < material.least_alpha {
         discard;
     }
     return in.triangle + 1u;
@@ -90,14 +95,14 @@ fn met_triangle(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
     let x = attributes[first];
     let y = attributes[first + 1u];
     let z = attributes[first + 2u];
-    let shading = x.normal * u + y.normal * v + z.normal * w;
+    let shading = normal_of(x) * u + normal_of(y) * v + normal_of(z) * w;
     surface.normal = surface.facet;
     if dot(shading, shading) > 1e-12 {
         let side = dot(shading, edge) * dot(surface.facet, edge);
         surface.normal = normalize(shading) * select(1.0, -1.0, side < 0.0);
     }
     let material = materials[facet.material];
-    var color = material.color * (x.color * u + y.color * v + z.color * w);
+    var color = material.color * (color_of(x) * u + color_of(y) * v + color_of(z) * w);
     if material.size.x > 0u {
         let texel = texels[texel_index(material, uv_of(x) * u + uv_of(y) * v + uv_of(z) * w)];
         let encoded = vec3f(f32(texel & 255u), f32((texel >> 8u) & 255u), f32((texel >> 16u) & 255u)) / 255.0;

@@ -134,6 +134,21 @@ pub enum Warning {
         /// How many.
         count: usize,
     },
+    /// Materials of opacity 0 everywhere, whose triangles are not there.
+    WhollySeeThrough {
+        /// The materials, and how many triangles have each.
+        materials: Vec<(String, usize)>,
+    },
+    /// Materials that let a part of the light through.
+    PartlySeeThrough {
+        /// The materials.
+        materials: Vec<String>,
+    },
+    /// Materials that fade from there to not there: an edge at half takes the place of the gradient.
+    GradualAlpha {
+        /// The materials.
+        materials: Vec<String>,
+    },
     /// Normals, texture coordinates and colours of vertices that are not finite or out of range.
     InvalidVertexAttributes {
         /// The scene file.
@@ -289,6 +304,15 @@ impl Warning {
                 Some("name a sky (--sky perez, or model in [sky]), or leave them out")
             }
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
+            Warning::WhollySeeThrough { .. } => {
+                Some("give the material an alpha above 0 if it should be seen")
+            }
+            Warning::PartlySeeThrough { .. } => {
+                Some("take more samples: one shows a pane, or what is behind it")
+            }
+            Warning::GradualAlpha { .. } => {
+                Some("give the material one alpha, or alphaMode MASK with the cutoff that is meant")
+            }
             Warning::IgnoredMaterialProperties { .. }
             | Warning::LeftOut { .. }
             | Warning::DegenerateTriangles { .. }
@@ -387,6 +411,26 @@ impl fmt::Display for Warning {
                 "{file}: {} without an area left out",
                 counted(*count, "triangle")
             ),
+            Warning::WhollySeeThrough { materials } => {
+                let list: Vec<String> = materials
+                    .iter()
+                    .map(|(name, count)| {
+                        let (count, are) = (counted(*count, "triangle"), are(*count));
+                        format!("`{name}` (its {count} {are} not there)")
+                    })
+                    .collect();
+                write!(f, "wholly see-through: {}", listed(&list))
+            }
+            Warning::PartlySeeThrough { materials } => write!(
+                f,
+                "these let a part of the light through, straight on and uncoloured, and a GPU leaves sunlight to the CPU for them (exact, and slower): {}",
+                quoted(materials)
+            ),
+            Warning::GradualAlpha { materials } => write!(
+                f,
+                "alpha that fades is cut at half of its greatest: {}",
+                quoted(materials)
+            ),
             Warning::InvalidVertexAttributes { file, count } => write!(
                 f,
                 "{file}: {} (normal, texture coordinate, colour or weight) not finite or out of range; taken as absent, or colours as the nearest valid one",
@@ -483,6 +527,27 @@ fn length(metres: f64) -> String {
         m if m >= 0.001 => format!("{:.1} mm", m * 1000.0),
         m => format!("{m:.1e} m"),
     }
+}
+
+/// The first of a list, and how many more there are.
+fn listed(items: &[String]) -> String {
+    const MOST: usize = 8;
+    let shown = items[..items.len().min(MOST)].join(", ");
+    match items.len().saturating_sub(MOST) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+/// Names in backquotes.
+fn quoted(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    listed(&quoted)
+}
+
+/// What many or one do.
+fn are(n: usize) -> &'static str {
+    if n == 1 { "is" } else { "are" }
 }
 
 /// `1 triangle`, `2 triangles`.

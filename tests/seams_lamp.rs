@@ -15,7 +15,7 @@ use tyndall::effect::{
 };
 use tyndall::medium::Scattering;
 use tyndall::plan::{Overrules, Plan};
-use tyndall::scene::curtain::complement;
+use tyndall::scene::shade::complement;
 
 const LAMP: DVec3 = DVec3::new(0.3, 2.6, 0.2);
 

@@ -56,9 +56,16 @@ fn caster_meets(triangle: u32, start: vec3f, axes: RayAxes, blur: f32, far: f32)
     }
     let material = materials[facet.material];
     if material.least_alpha >= 0.0 {
-        let x = 3u * triangle;
-        let uv = u * uv_of(attributes[x]) + v * uv_of(attributes[x + 1u]) + w * uv_of(attributes[x + 2u]);
-        if f32(texels[texel_index(material, uv / (u + v + w))] >> 24u) < material.least_alpha {
+        let x = attributes[3u * triangle];
+        let y = attributes[3u * triangle + 1u];
+        let z = attributes[3u * triangle + 2u];
+        let sum = u + v + w;
+        var alpha = 255.0;
+        if material.size.x > 0u {
+            let uv = (u * uv_of(x) + v * uv_of(y) + w * uv_of(z)) / sum;
+            alpha = f32(texels[texel_index(material, uv)] >> 24u);
+        }
+        if alpha * (u * alpha_of(x) + v * alpha_of(y) + w * alpha_of(z)) / sum < material.least_alpha {
             return false;
         }
     }

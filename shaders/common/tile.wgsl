@@ -33,11 +33,12 @@ struct TileView {
     working_from_rec709: mat3x3f,
 }
 
+// Of a vertex, without gaps.
 struct Attributes {
-    normal: vec3f,
-    u: f32,
-    color: vec3f,
-    v: f32,
+    normal: array<f32, 3>,
+    // Linear Rec. 709 and alpha.
+    color: array<f32, 4>,
+    uv: array<f32, 2>,
 }
 
 // A triangle's plane and material.
@@ -50,7 +51,7 @@ struct Facet {
 struct Material {
     // Linear Rec. 709.
     color: vec3f,
-    // A texel is solid from this alpha on, in 0 to 255; below 0: no cut-out.
+    // A place is solid from this product of the texel's and the vertices' alpha on, in 0 to 255; below 0: no cut-out.
     least_alpha: f32,
     // First texel, size, and how it goes on outside (REPEAT, MIRROR, CLAMP); a size of 0: no texture.
     texel: u32,
@@ -97,7 +98,19 @@ fn eye_relative(corner: vec3f) -> vec3f {
 }
 
 fn uv_of(attributes: Attributes) -> vec2f {
-    return vec2f(attributes.u, attributes.v);
+    return vec2f(attributes.uv[0], attributes.uv[1]);
+}
+
+fn normal_of(attributes: Attributes) -> vec3f {
+    return vec3f(attributes.normal[0], attributes.normal[1], attributes.normal[2]);
+}
+
+fn color_of(attributes: Attributes) -> vec3f {
+    return vec3f(attributes.color[0], attributes.color[1], attributes.color[2]);
+}
+
+fn alpha_of(attributes: Attributes) -> f32 {
+    return attributes.color[3];
 }
 
 fn wrapped(position: f32, size: u32, wrap: u32) -> u32 {

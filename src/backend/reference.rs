@@ -3,17 +3,19 @@
 //! Rays are worked off in batches, each of which passes through all effects of the plan; only the fields that these write are
 //! ever held. A first pass takes one ray through each pixel's centre; where a picture of more samples is wanted, pixels that
 //! differ from a neighbour are then resampled with that many rays: with all effects where the air's light differs, without
-//! the air's where only surfaces or background do.
+//! the air's where only surfaces or background do. So are all that show surfaces which let light through.
 
 use super::film::Film;
 use super::rendering::{Limits, Progress, Rendered, StepTime};
 use crate::colour::luminance;
+use crate::conditions::Conditions;
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
 use crate::error::Result;
 use crate::frame::{Frame, Layer, NO_HIT, Part};
 use crate::plan::{Plan, sample_positions};
 use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -50,6 +52,17 @@ impl Sample {
 /// The picture: the sum of the layers [cd/m2].
 pub fn picture(values: &Values) -> DVec3 {
     Field::layers().map(|field| values[field as usize]).sum()
+}
+
+/// Where a ray goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Aim {
+    /// The pixel that it belongs to.
+    pub pixel: UVec2,
+    /// Which of the pixel's samples it is.
+    pub sample: u32,
+    /// Position of the picture [pixels].
+    pub at: DVec2,
 }
 
 struct Prepared<'a> {
@@ -104,19 +117,17 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Takes rays through positions of the picture [pixels]; each belongs to the pixel that is named.
-    pub fn trace(&self, positions: &[(UVec2, DVec2)]) -> Vec<Sample> {
-        self.trace_with(positions, Rerun::All)
+    /// Takes rays through positions of the picture.
+    pub fn trace(&self, aims: &[Aim]) -> Vec<Sample> {
+        self.trace_with(aims, Rerun::All)
     }
 
-    fn trace_with(&self, positions: &[(UVec2, DVec2)], rerun: Rerun) -> Vec<Sample> {
+    fn trace_with(&self, aims: &[Aim], rerun: Rerun) -> Vec<Sample> {
         let conditions = self.plan.conditions;
-        let rays = positions
-            .iter()
-            .map(|(_, at)| conditions.view.ray(*at))
-            .collect();
-        let pixels = positions.iter().map(|(pixel, _)| *pixel).collect();
-        let mut fields = Fields::new(rays, pixels, &self.written);
+        let rays = aims.iter().map(|aim| conditions.view.ray(aim.at)).collect();
+        let pixels = aims.iter().map(|aim| aim.pixel).collect();
+        let samples = aims.iter().map(|aim| aim.sample).collect();
+        let mut fields = Fields::new(rays, pixels, samples, &self.written);
         for step in &self.steps {
             if rerun == Rerun::WithoutAir && only_air(step.effect) {
                 continue;
@@ -129,7 +140,7 @@ impl<'a> Reference<'a> {
             step.nanoseconds.fetch_add(elapsed, Ordering::Relaxed);
             step.runs.fetch_add(1, Ordering::Relaxed);
         }
-        (0..positions.len())
+        (0..aims.len())
             .map(|i| Sample {
                 values: Field::ALL.map(|field| {
                     fields
@@ -146,8 +157,12 @@ impl<'a> Reference<'a> {
         pixels
             .par_chunks(64)
             .flat_map_iter(|chunk| {
-                let positions: Vec<_> = chunk.iter().map(|p| (*p, centre(*p))).collect();
-                self.trace(&positions)
+                let aim = |pixel: &UVec2| Aim {
+                    pixel: *pixel,
+                    sample: 0,
+                    at: centre(*pixel),
+                };
+                self.trace(&chunk.iter().map(aim).collect::<Vec<_>>())
             })
             .collect()
     }
@@ -212,7 +227,7 @@ impl<'a> Reference<'a> {
         }
         let mut refined = 0;
         if samples > 1 {
-            let edges = edges(film.frame());
+            let edges = self.with_veiled(edges(film.frame()));
             refined = edges.len();
             let offsets = sample_positions(samples);
             for (part, chunk) in edges.chunks(4096).enumerate() {
@@ -238,17 +253,37 @@ impl<'a> Reference<'a> {
         })
     }
 
+    /// The same with all pixels where one ray shows only one of several surfaces, as these let light through.
+    fn with_veiled(&self, mut edges: Vec<(UVec2, Rerun)>) -> Vec<(UVec2, Rerun)> {
+        let Conditions { geometry, view, .. } = self.plan.conditions;
+        if !geometry.has_veils() || view.points().is_some() {
+            return edges;
+        }
+        let [width, height] = view.size;
+        let veiled: Vec<UVec2> = (0..width * height)
+            .into_par_iter()
+            .map(|i| UVec2::new(i % width, i / width))
+            .filter(|pixel| geometry.is_veiled(&view.ray(centre(*pixel))))
+            .collect();
+        let is_veiled: HashSet<UVec2> = veiled.iter().copied().collect();
+        edges.retain(|(pixel, _)| !is_veiled.contains(pixel));
+        edges.extend(veiled.into_iter().map(|pixel| (pixel, Rerun::All)));
+        edges
+    }
+
     /// The means over `offsets` of the fields of each pixel.
     fn means(&self, edges: &[(UVec2, Rerun)], offsets: &[DVec2]) -> Vec<Values> {
         edges
             .iter()
             .map(|(pixel, rerun)| {
-                let positions: Vec<_> = offsets
-                    .iter()
-                    .map(|offset| (*pixel, pixel.as_dvec2() + *offset))
-                    .collect();
+                let aim = |(sample, offset): (u32, &DVec2)| Aim {
+                    pixel: *pixel,
+                    sample,
+                    at: pixel.as_dvec2() + *offset,
+                };
+                let aims: Vec<Aim> = (0..).zip(offsets).map(aim).collect();
                 let mut mean = [DVec3::ZERO; Field::COUNT];
-                for sample in self.trace_with(&positions, *rerun) {
+                for sample in self.trace_with(&aims, *rerun) {
                     for (m, v) in mean.iter_mut().zip(&sample.values) {
                         *m += v / offsets.len() as f64;
                     }

@@ -104,7 +104,7 @@ impl Conditions {
             albedo: DVec3::splat(scene.ground.albedo),
         });
         Ok(Conditions {
-            warnings: warnings(&scene, &moment),
+            warnings: warnings(&scene, &geometry, &moment),
             geometry,
             view: View {
                 camera,
@@ -138,7 +138,7 @@ impl Conditions {
         }
         let moment = moment(&self.scene, &self.request, Some(time), self.air.ground)?;
         Ok(Conditions {
-            warnings: warnings(&self.scene, &moment),
+            warnings: warnings(&self.scene, &self.geometry, &moment),
             sun: moment.sun,
             sky: moment.sky,
             instant: moment.instant,
@@ -206,8 +206,9 @@ fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> 
 }
 
 /// What is said of the scene, the time and the sky.
-fn warnings(scene: &Scene, moment: &AtMoment) -> Vec<Warning> {
+fn warnings(scene: &Scene, geometry: &Geometry, moment: &AtMoment) -> Vec<Warning> {
     let mut warnings = scene.warnings.clone();
+    warnings.extend(geometry.warnings().iter().cloned());
     if let Some(instant) = &moment.instant {
         warnings.extend(instant.moment.warnings.iter().cloned());
     }

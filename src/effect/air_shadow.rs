@@ -63,19 +63,19 @@ pub const AIR_SHADOW: Effect = Effect {
         let before_sky = conditions.air.before_sky();
         let far = far(&air);
         Box::new(move |fields| {
-            let mut dark = Vec::new();
+            let mut shades = Vec::new();
             fields.update(Field::Background, |ray, _, surface, present| {
                 if surface.is_met() || present == DVec3::ZERO {
                     return present;
                 }
-                conditions.geometry.dark_runs(ray, far, &beams, &mut dark);
+                conditions.geometry.shades(ray, far, &beams, &mut shades);
                 let (mut shadow, mut whole) = (DVec3::ZERO, DVec3::ZERO);
-                for (beam, dark) in beams.iter().zip(&dark) {
+                for (beam, shade) in beams.iter().zip(&shades) {
                     let (origin, direction) = (ray.origin, ray.direction);
                     let scattering = Scattering::new(&air, origin, direction, far, beam);
                     whole += beam.strength() * scattering.integrate(0.0, far);
-                    for [from, to] in dark {
-                        shadow += beam.strength() * scattering.integrate(*from, *to);
+                    for ([from, to], missing) in shade.missing(far) {
+                        shadow += missing * beam.strength() * scattering.integrate(from, to);
                     }
                 }
                 let end = before_sky.end(ray.origin, ray.direction);

@@ -71,6 +71,8 @@ pub struct Fields {
     pub rays: Vec<Ray>,
     /// The pixel that each ray belongs to.
     pub pixels: Vec<UVec2>,
+    /// Which of its pixel's samples each ray is.
+    pub samples: Vec<u32>,
     /// [`Field::Surface`].
     pub surfaces: Vec<Surface>,
     values: [Option<Vec<DVec3>>; Field::COUNT],
@@ -80,11 +82,12 @@ pub struct Fields {
 
 impl Fields {
     /// A batch with room for the fields that its effects write, and no other.
-    pub fn new(rays: Vec<Ray>, pixels: Vec<UVec2>, written: &[Field]) -> Self {
+    pub fn new(rays: Vec<Ray>, pixels: Vec<UVec2>, samples: Vec<u32>, written: &[Field]) -> Self {
         let count = rays.len();
         let mut fields = Fields {
             rays,
             pixels,
+            samples,
             surfaces: Vec::new(),
             values: Default::default(),
             named: None,

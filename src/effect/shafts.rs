@@ -12,7 +12,6 @@
 use super::{Batch, Contribution, Decision, Field, Kept, Knob, Settings, sun_beams};
 use crate::conditions::Conditions;
 use crate::medium::Scattering;
-use crate::scene::curtain::complement;
 use glam::DVec3;
 
 /// The knob that all methods have: as many points stand for the sun's disc.
@@ -66,7 +65,7 @@ pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Ke
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
     Box::new(move |fields| {
-        let mut dark = Vec::new();
+        let mut shades = Vec::new();
         fields.update(Field::InscatterSun, |ray, _, surface, present| {
             // On a ray that meets nothing the clear air only takes from what other media send.
             let (air, within) = match surface.is_met() {
@@ -77,12 +76,12 @@ pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Ke
             if end <= 0.0 {
                 return present;
             }
-            conditions.geometry.dark_runs(ray, end, &beams, &mut dark);
+            conditions.geometry.shades(ray, end, &beams, &mut shades);
             let mut sum = DVec3::ZERO;
-            for (beam, dark) in beams.iter().zip(&dark) {
+            for (beam, shade) in beams.iter().zip(&shades) {
                 let scattering = Scattering::new(air, ray.origin, ray.direction, end, beam);
-                for [from, to] in complement(dark, end) {
-                    sum += beam.strength() * scattering.integrate(from, to);
+                for ([from, to], pass) in shade.lit(end) {
+                    sum += pass * beam.strength() * scattering.integrate(from, to);
                 }
             }
             present + sum

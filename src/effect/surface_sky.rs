@@ -277,38 +277,46 @@ impl SkyShare {
             let direction = tangent * d.x + bitangent * d.y + normal * d.z;
             let radiance = self.open_radiance(point, direction);
             let ray = Ray { origin, direction };
-            let hidden = radiance == DVec3::ZERO
-                || occluded && self.conditions.geometry.occluded(&ray, 0.0, f64::INFINITY);
-            if hidden { DVec3::ZERO } else { radiance }
+            let through = match (radiance == DVec3::ZERO, occluded) {
+                (true, _) => 0.0,
+                (_, true) => self
+                    .conditions
+                    .geometry
+                    .transmittance(&ray, 0.0, f64::INFINITY),
+                (_, false) => 1.0,
+            };
+            (through * radiance, through)
         };
-        let cells = |n: usize| -> Vec<DVec3> {
+        let cells = |n: usize| -> Vec<(DVec3, f64)> {
             let at = |i: usize| (i as f64 + 0.5) / n as f64;
             (0..n * n).map(|k| look(at(k % n), at(k / n))).collect()
         };
         let mut n = self.cells;
         let mut coarse = cells(n);
         // Where little light is found, windows are smaller than cells, and many may have been missed.
-        if occluded && 16 * coarse.iter().filter(|c| **c != DVec3::ZERO).count() < coarse.len() {
+        if occluded
+            && 16 * coarse.iter().filter(|(_, through)| *through > 0.0).count() < coarse.len()
+        {
             n *= 2;
             coarse = cells(n);
         }
-        let lit = |i: usize, j: usize| coarse[j * n + i] != DVec3::ZERO;
+        let through = |i: usize, j: usize| coarse[j * n + i].1;
         let mut sum = DVec3::ZERO;
         for j in 0..n {
             for i in 0..n {
-                let here = lit(i, j);
-                let outline = i > 0 && lit(i - 1, j) != here
-                    || i + 1 < n && lit(i + 1, j) != here
-                    || j > 0 && lit(i, j - 1) != here
-                    || j + 1 < n && lit(i, j + 1) != here;
+                let here = through(i, j);
+                let outline = i > 0 && through(i - 1, j) != here
+                    || i + 1 < n && through(i + 1, j) != here
+                    || j > 0 && through(i, j - 1) != here
+                    || j + 1 < n && through(i, j + 1) != here;
                 sum += if outline {
                     let fine = |k: usize, m: usize| (k as f64 + (m as f64 + 0.5) / 2.0) / n as f64;
                     (0..4)
-                        .map(|m| look(fine(i, m % 2), fine(j, m / 2)))
+                        .map(|m| look(fine(i, m % 2), fine(j, m / 2)).0)
                         .sum::<DVec3>()
                         / 4.0
                 } else {
-                    coarse[j * n + i]
+                    coarse[j * n + i].0
                 };
             }
         }

@@ -1,8 +1,9 @@
 //! Sunlight on surfaces, with exact shadows.
 //!
-//! L = albedo / pi * sum over the points of the sun's disc of E w cos(theta) V e^-tau, V by one shadow ray in f64 a point. A
-//! point sun has one. On a GPU the ray goes through the same tree of triangles in f32: relative to the anchor, with planes that were
-//! made in f64, so that a shadow is as exact at its edges and in corners as elsewhere. A surface whose own triangle faces away from the sun is dark, whatever its interpolated normal says.
+//! L = albedo / pi * sum over the points of the sun's disc of E w cos(theta) V e^-tau, V by one shadow ray in f64 a point: the share
+//! of light that the surfaces on it let through. A point sun has one. On a GPU the ray goes through the same tree of triangles in
+//! f32: relative to the anchor, with planes that were made in f64, so that a shadow is as exact at its edges and in corners as
+//! elsewhere. A surface whose own triangle faces away from the sun is dark, whatever its interpolated normal says.
 
 use super::{
     Contribution, Decision, Effect, Field, Knob, Over, Pass, Resource, Source, When, sun_beams,
@@ -61,11 +62,13 @@ pub const SURFACE_SUN: Effect = Effect {
                         direction: toward,
                     };
                     let far = beam.distance_from(surface.position);
-                    if conditions.geometry.occluded(&ray, near, far) {
+                    let through = conditions.geometry.transmittance(&ray, near, far);
+                    if through == 0.0 {
                         continue;
                     }
                     let depth = conditions.air.beam_optical_depth(surface.position, beam);
-                    sum += beam.illuminance_at(surface.position) * cosine * (-depth).exp();
+                    sum +=
+                        through * beam.illuminance_at(surface.position) * cosine * (-depth).exp();
                 }
                 present + surface.albedo / PI * sum
             });

@@ -3,6 +3,9 @@
 //! Triangles come first; rays that miss them all and point below the horizon meet the endless ground plane. A texture is read
 //! at its nearest texel, in linear light. Both sides of a triangle reflect; normals face the eye. The interpolated normal is
 //! used for shading where it agrees with the triangle about which side the eye is on.
+//!
+//! Of a surface that lets 1 - a of the light through, a share a of a pixel's samples meets it, and the others what is behind it
+//! ([`crate::scene::opacity::choice`]): the mean over a pixel is a L1 + (1 - a) L2, and one sample shows one or the other.
 
 use super::{
     Contribution, Decision, Effect, Field, Knob, Over, Pass, RasterView, Resource, Source, Surface,
@@ -10,7 +13,7 @@ use super::{
 };
 use crate::colour::{Space, srgb_decode};
 use crate::conditions::{Conditions, Receivers, View};
-use crate::scene::{Hit, Ray, geometry::texel};
+use crate::scene::{Hit, Ray, cut_out::texel, opacity::choice};
 use glam::{DMat3, DVec2, DVec3, UVec2};
 
 /// The first surface on each ray.
@@ -41,10 +44,13 @@ pub const VISIBILITY: Effect = Effect {
     reference: |conditions, _, _| {
         let working_from_rec709 = Space::Rec709.to_working();
         Box::new(move |fields| {
-            let places = fields.rays.iter().zip(&fields.pixels);
-            for ((ray, pixel), surface) in places.zip(&mut fields.surfaces) {
+            let places = fields.rays.iter().zip(&fields.pixels).zip(&fields.samples);
+            for (((ray, pixel), sample), surface) in places.zip(&mut fields.surfaces) {
                 *surface = match conditions.view.receivers {
-                    Receivers::Pixels => first_surface(conditions, ray, working_from_rec709),
+                    Receivers::Pixels => {
+                        let choice = choice(pixel.to_array(), *sample);
+                        first_surface(conditions, ray, choice, working_from_rec709)
+                    }
                     Receivers::Points(_) => receiver_surface(&conditions.view, *pixel),
                 };
             }
@@ -93,9 +99,14 @@ pub fn receiver_surface(view: &View, pixel: UVec2) -> Surface {
     })
 }
 
-/// What a ray meets first.
-pub fn first_surface(conditions: &Conditions, ray: &Ray, working_from_rec709: DMat3) -> Surface {
-    if let Some(hit) = conditions.geometry.closest(ray, 0.0, f64::INFINITY) {
+/// What a ray shows first; of surfaces that let light through, what `choice` falls to ([`choice`]).
+pub fn first_surface(
+    conditions: &Conditions,
+    ray: &Ray,
+    choice: f64,
+    working_from_rec709: DMat3,
+) -> Surface {
+    if let Some(hit) = conditions.geometry.seen(ray, choice) {
         return triangle_surface(conditions, ray, &hit, working_from_rec709);
     }
     ground_surface(conditions, ray)

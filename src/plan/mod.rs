@@ -6,7 +6,7 @@
 mod flow;
 
 use crate::conditions::Conditions;
-use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Settings, When};
+use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Pass, Settings, When};
 use crate::error::{Error, Result, nearest};
 use crate::frame::Part;
 use glam::DVec2;
@@ -82,6 +82,20 @@ pub struct Step {
     pub decision: Decision,
     /// Its knobs.
     pub settings: Vec<(&'static str, f64)>,
+}
+
+impl Step {
+    /// Whether the reference does it on every backend: it has no passes, or passes that read shadow maps, which hold one depth, where
+    /// surfaces let a part of the light through.
+    pub fn is_by_reference(&self, conditions: &Conditions) -> bool {
+        self.effect.passes.is_empty() || left_to_reference(self.effect, conditions)
+    }
+}
+
+/// Whether an effect has passes, but none that know of surfaces that let a part of the light through.
+fn left_to_reference(effect: &Effect, conditions: &Conditions) -> bool {
+    let reads_maps = |pass: &Pass| matches!(pass.when, When::EachBeam(_));
+    conditions.geometry.has_veils() && effect.passes.iter().any(reads_maps)
 }
 
 /// Which effects are run, in their order.
@@ -175,6 +189,10 @@ impl<'c> Plan<'c> {
                 }
                 decision.reason = format!("forced by --force; {}", decision.reason);
                 decision.run = true;
+            }
+            if decision.run && left_to_reference(effect, conditions) {
+                decision.reason +=
+                    "; by the reference on every backend, as surfaces let light through";
             }
             if let Some(reason) = unserved(effect, &steps)
                 && decision.run

@@ -14,12 +14,12 @@
 //! Light from a place near by reaches the ray along a fan instead: see the module `fan`.
 
 use super::Ray;
-use super::geometry::{CutOut, Geometry, Node};
+use super::geometry::{Geometry, Node, Veil};
+use super::shade::{Shade, Veiled, gaps, holds};
 use crate::beam::Beam;
-use glam::{BVec4A, DMat3, DVec2, DVec3, Vec3A, Vec4};
+use glam::{BVec4A, DMat3, DVec3, Vec3A, Vec4};
 
-/// A run of a ray between two distances [m].
-pub type Run = [f64; 2];
+pub use super::shade::Run;
 
 /// Below this sine of the angle between ray and sun, the ray's points all see the sun along the ray itself.
 const PARALLEL: f64 = 1e-9;
@@ -37,11 +37,19 @@ struct HalfPlane {
 impl Geometry {
     /// The dark runs of the first `far` metres of a ray, for each of `beams`.
     ///
-    /// `dark[k]` is overwritten with the runs that `beams[k]` does not reach, in order and apart from each other.
-    /// Exact except for f64 rounding. A beam is that of the middle of its cell.
+    /// `dark[k]` is overwritten with the runs of which something keeps all light of `beams[k]` off, in order and apart from each
+    /// other. Exact except for f64 rounding. A beam is that of the middle of its cell.
     pub fn dark_runs(&self, ray: &Ray, far: f64, beams: &[Beam], dark: &mut Vec<Vec<Run>>) {
-        dark.resize_with(beams.len(), Vec::new);
-        dark.iter_mut().for_each(Vec::clear);
+        let mut shades = Vec::new();
+        self.shades(ray, far, beams, &mut shades);
+        dark.clear();
+        dark.extend(shades.into_iter().map(|shade| shade.dark));
+    }
+
+    /// What shades the first `far` metres of a ray, for each of `beams`: `shades[k]` is overwritten. Exact except for f64 rounding.
+    pub fn shades(&self, ray: &Ray, far: f64, beams: &[Beam], shades: &mut Vec<Shade>) {
+        shades.resize_with(beams.len(), Shade::default);
+        shades.iter_mut().for_each(Shade::clear);
         if self.corners.is_empty() || far <= 0.0 {
             return;
         }
@@ -49,7 +57,7 @@ impl Geometry {
         for (k, beam) in beams.iter().enumerate() {
             match beam {
                 Beam::Parallel { toward, .. } => suns.push((k, *toward)),
-                Beam::Local { position, .. } => self.fan(ray, far, *position, &mut dark[k]),
+                Beam::Local { position, .. } => self.fan(ray, far, *position, &mut shades[k]),
             }
         }
         if suns.is_empty() {
@@ -75,16 +83,7 @@ impl Geometry {
             let (y, x) = (sun.dot(m), sun.dot(n));
             let sine = y.hypot(x);
             if sine < PARALLEL {
-                if self.occluded(
-                    &Ray {
-                        origin: ray.origin,
-                        direction: *sun,
-                    },
-                    0.0,
-                    f64::INFINITY,
-                ) {
-                    dark[*k].push([0.0, far]);
-                }
+                self.along_sun(ray, far, *sun, &mut shades[*k]);
                 continue;
             }
             which.push(*k);
@@ -104,43 +103,48 @@ impl Geometry {
             base,
             planes: &planes,
             span: [-near, far - near],
-            dark: vec![Vec::new(); planes.len()],
+            shades: vec![Shade::default(); planes.len()],
+            lit: Vec::new(),
             together: 1e-13 * (near + self.extent),
         };
         search.run();
-        for (k, runs) in which.iter().zip(search.dark) {
-            dark[*k].extend(
-                runs.iter()
-                    .map(|run| [(run[0] + near).max(0.0), (run[1] + near).min(far)])
-                    .filter(|[a, b]| b > a),
-            );
+        let back = |[from, to]: Run| [(from + near).max(0.0), (to + near).min(far)];
+        for (k, found) in which.iter().zip(search.shades) {
+            let shade = &mut shades[*k];
+            let dark = found.dark.iter().map(|run| back(*run));
+            shade.dark.extend(dark.filter(|[a, b]| b > a));
+            for veiled in found.veiled {
+                let run = back(veiled.run);
+                shade.veiled.push(Veiled { run, ..veiled });
+            }
         }
     }
-}
 
-/// Adds a run to sorted, separate ones, joined with those that it touches (within `together`).
-pub(super) fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
-    let first = runs.partition_point(|r| r[1] + together < run[0]);
-    let after = first + runs[first..].partition_point(|r| r[0] <= run[1] + together);
-    if first == after {
-        runs.insert(first, run);
-        return;
+    /// What shades a ray along which the sun itself shines, or from the sun.
+    fn along_sun(&self, ray: &Ray, far: f64, sun: DVec3, shade: &mut Shade) {
+        let way = Ray {
+            origin: ray.origin,
+            direction: sun,
+        };
+        let (solid, before) = self.met(&way, 0.0, f64::INFINITY);
+        if solid.is_some() {
+            shade.dark.push([0.0, far]);
+            return;
+        }
+        let ahead = sun.dot(ray.direction) > 0.0;
+        let mut add = |veil: Veil, run: Run| {
+            shade.add(Some((veil.kind, veil.pass)), run, [0.0, far], 0.0);
+        };
+        for veil in before {
+            let end = if ahead { veil.hit.distance } else { far };
+            add(veil, [0.0, end]);
+        }
+        if !ahead && self.has_veils() {
+            for veil in self.met(ray, 0.0, far).1 {
+                add(veil, [veil.hit.distance, far]);
+            }
+        }
     }
-    runs[first] = [run[0].min(runs[first][0]), run[1].max(runs[after - 1][1])];
-    runs.drain(first + 1..after);
-}
-
-/// Whether one of the sorted, separate runs holds all of [from, to].
-fn holds(runs: &[Run], from: f64, to: f64) -> bool {
-    let after = runs.partition_point(|r| r[0] <= from);
-    after > 0 && runs[after - 1][1] >= to
-}
-
-/// The runs of [0, far] between the given ones: from dark to lit and back.
-pub fn complement(runs: &[Run], far: f64) -> impl Iterator<Item = Run> + '_ {
-    let starts = std::iter::once(0.0).chain(runs.iter().map(|r| r[1]));
-    let ends = runs.iter().map(|r| r[0]).chain(std::iter::once(far));
-    starts.zip(ends).map(|(a, b)| [a, b]).filter(|[a, b]| b > a)
 }
 
 struct Search<'a> {
@@ -151,8 +155,10 @@ struct Search<'a> {
     base: DVec3,
     planes: &'a [HalfPlane],
     span: Run,
-    /// What is dark so far, for each half-plane.
-    dark: Vec<Vec<Run>>,
+    /// What was found so far, for each half-plane.
+    shades: Vec<Shade>,
+    /// What a cut may yet darken, for the while.
+    lit: Vec<Run>,
     together: f64,
 }
 
@@ -216,7 +222,7 @@ impl Search<'_> {
         let span = self.span;
         let geometry = self.geometry;
         // Between which places of the ray a node may yet darken something; `None` if nowhere.
-        let reach = |node: &Node, dark: &[Vec<Run>]| -> Option<[f32; 2]> {
+        let reach = |node: &Node, shades: &[Shade]| -> Option<[f32; 2]> {
             let c: Vec3A = node.middle - base;
             let c = [n.dot(c), m.dot(c), r.dot(c)];
             let h = [
@@ -239,7 +245,7 @@ impl Search<'_> {
                         f64::from(from[i]).max(span[0]),
                         f64::from(to[i]).min(span[1]),
                     );
-                    if a < b && !holds(&dark[lane.first + i], a, b) {
+                    if a < b && !holds(&shades[lane.first + i].dark, a, b) {
                         reach = [reach[0].min(from[i]), reach[1].max(to[i])];
                     }
                 }
@@ -248,11 +254,11 @@ impl Search<'_> {
         };
         let nodes = &geometry.nodes;
         let mut stack: Vec<(u32, [f32; 2])> = Vec::with_capacity(64);
-        stack.extend(reach(&nodes[0], &self.dark).map(|reach| (0, reach)));
+        stack.extend(reach(&nodes[0], &self.shades).map(|reach| (0, reach)));
         while let Some((top, [from, to])) = stack.pop() {
             // What was worth visiting when it was pushed may be dark by now.
             let (from, to) = (f64::from(from).max(span[0]), f64::from(to).min(span[1]));
-            if self.dark.iter().all(|runs| holds(runs, from, to)) {
+            if self.shades.iter().all(|s| holds(&s.dark, from, to)) {
                 continue;
             }
             let node = &nodes[top as usize];
@@ -263,7 +269,7 @@ impl Search<'_> {
                 continue;
             }
             let children = [node.first, node.first + 1];
-            let reaches = children.map(|child| reach(&nodes[child as usize], &self.dark));
+            let reaches = children.map(|child| reach(&nodes[child as usize], &self.shades));
             // The child that may darken most comes first, so last onto the stack.
             let length = |i: usize| reaches[i].map_or(0.0, |[from, to]| to - from);
             let order = if length(0) > length(1) {
@@ -310,7 +316,7 @@ impl Search<'_> {
                 }
             }
             let (from, to) = (from.max(self.span[0]), to.min(self.span[1]));
-            if from >= to || holds(&self.dark[k], from, to) {
+            if from >= to || holds(&self.shades[k].dark, from, to) {
                 continue;
             }
             let cut = |other: usize| {
@@ -343,57 +349,33 @@ impl Search<'_> {
                 a.z + f * (b.z - a.z) - y * plane.cot
             };
             let (from, to) = (at(f), at(g));
-            match &self.geometry.cut_outs[index] {
-                None => darken(&mut self.dark[k], from, to, self.span, self.together),
-                Some(cut) => {
-                    let uv = |end: &End| {
-                        let (lower, upper, f) = end.edge;
-                        cut.uvs[lower].lerp(cut.uvs[upper], f)
-                    };
-                    let (first, last) = (uv(&a), uv(&b));
-                    let (first, last) = (first.lerp(last, f), first.lerp(last, g));
-                    solid_parts(self.geometry, cut, first, last, |p, q| {
-                        let mix = |f: f64| from + f * (to - from);
-                        darken(&mut self.dark[k], mix(p), mix(q), self.span, self.together);
-                    });
-                }
+            let veil = self.geometry.veil(index);
+            let Some((cut, map)) = self.geometry.cut_out(index) else {
+                self.shades[k].add(veil, [from, to], self.span, self.together);
+                continue;
+            };
+            let spot = |end: &End| {
+                let (lower, upper, f) = end.edge;
+                cut.corner(lower).lerp(cut.corner(upper), f)
+            };
+            let (first, last) = (spot(&a), spot(&b));
+            let line = [first.lerp(last, f), first.lerp(last, g)];
+            // Only over what is still lit.
+            self.lit.clear();
+            let (low, high) = (
+                from.min(to).max(self.span[0]),
+                from.max(to).min(self.span[1]),
+            );
+            gaps(&self.shades[k].dark, low, high, &mut self.lit);
+            for gap in &self.lit {
+                let [p, q] = gap.map(|t| ((t - from) / (to - from)).clamp(0.0, 1.0));
+                let within = if p < q { [p, q] } else { [q, p] };
+                let shade = &mut self.shades[k];
+                map.solid_parts(line, within, |p, q| {
+                    let mix = |f: f64| from + f * (to - from);
+                    shade.add(veil, [mix(p), mix(q)], self.span, self.together);
+                });
             }
-        }
-    }
-}
-
-/// Adds what one triangle darkens, from one place of the ray to another.
-pub(super) fn darken(dark: &mut Vec<Run>, a: f64, b: f64, span: Run, together: f64) {
-    let run = [a.min(b).max(span[0]), a.max(b).min(span[1])];
-    if run[1] > run[0] {
-        insert(dark, run, together);
-    }
-}
-
-/// The parts of a straight line over a texture on which it is solid, as fractions of the line, texel by texel.
-pub(super) fn solid_parts(
-    geometry: &Geometry,
-    cut: &CutOut,
-    from: DVec2,
-    to: DVec2,
-    mut found: impl FnMut(f64, f64),
-) {
-    let size = geometry.texture_size(cut);
-    let mut borders = vec![0.0, 1.0];
-    for axis in 0..2 {
-        let (a, b) = (from[axis] * size[axis], to[axis] * size[axis]);
-        let (low, high) = (a.min(b), a.max(b));
-        let mut border = low.floor() + 1.0;
-        while border < high {
-            borders.push((border - a) / (b - a));
-            border += 1.0;
-        }
-    }
-    borders.sort_unstable_by(f64::total_cmp);
-    for pair in borders.windows(2) {
-        let middle = 0.5 * (pair[0] + pair[1]);
-        if pair[1] > pair[0] && geometry.opaque(cut, from.lerp(to, middle)) {
-            found(pair[0], pair[1]);
         }
     }
 }
@@ -407,21 +389,4 @@ struct End {
     z: f64,
     /// The edge that is cut, from corner to corner, and how far along.
     edge: (usize, usize, f64),
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn touching_runs_become_one_and_the_rest_is_lit() {
-        let mut runs = Vec::new();
-        for run in [[5.0, 6.0], [1.0, 2.0], [2.0, 3.0], [1.5, 1.6]] {
-            insert(&mut runs, run, 0.0);
-        }
-        assert!(holds(&runs, 1.2, 2.5) && !holds(&runs, 2.5, 5.5) && !holds(&runs, 0.5, 0.7));
-        assert_eq!(runs, [[1.0, 3.0], [5.0, 6.0]]);
-        let lit: Vec<Run> = complement(&runs, 6.0).collect();
-        assert_eq!(lit, [[0.0, 1.0], [3.0, 5.0]]);
-    }
 }

@@ -6,8 +6,8 @@
 //! On the cut this has no pole, so that the interval's ends are those of the cut.
 
 use super::Ray;
-use super::curtain::{Run, darken, solid_parts};
 use super::geometry::Geometry;
+use super::shade::{Run, Shade};
 use glam::{DMat3, DVec3};
 
 /// A lamp nearer to the ray than this share of the scene's diagonal lies on it.
@@ -17,8 +17,8 @@ const ON_RAY: f64 = 1e-12;
 const BESIDE_LAMP: f64 = 1e-12;
 
 impl Geometry {
-    /// The runs of the first `far` metres of a ray that the light of a place does not reach, in order and apart from each other.
-    pub(super) fn fan(&self, ray: &Ray, far: f64, lamp: DVec3, dark: &mut Vec<Run>) {
+    /// What keeps the light of a place off the first `far` metres of a ray.
+    pub(super) fn fan(&self, ray: &Ray, far: f64, lamp: DVec3, shade: &mut Shade) {
         let r = ray.direction;
         let base = ray.origin - self.origin;
         let way = lamp - ray.origin;
@@ -26,7 +26,7 @@ impl Geometry {
         let across = way - along * r;
         let height = across.length();
         if height <= ON_RAY * (self.extent + along.abs()) {
-            return self.along_ray(ray, far, along, dark);
+            return self.along_ray(ray, far, along, shade);
         }
         let m = across / height;
         let n = m.cross(r);
@@ -48,7 +48,7 @@ impl Geometry {
             for index in node.first..node.first + node.count {
                 let points = self.corners[index as usize].map(|p| to_frame * (p - base));
                 let lamp = [height, along];
-                self.shade(index as usize, &points, lamp, [0.0, far], together, dark);
+                self.shade(index as usize, &points, lamp, [0.0, far], together, shade);
             }
         }
     }
@@ -61,7 +61,7 @@ impl Geometry {
         [height, along]: [f64; 2],
         span: Run,
         together: f64,
-        dark: &mut Vec<Run>,
+        shade: &mut Shade,
     ) {
         // A triangle whose plane holds the lamp, as the lamp's own face does, is seen edge on.
         let [p, q, s] = points;
@@ -115,41 +115,40 @@ impl Geometry {
             let y = p.y.clamp(0.0, top);
             (p.z * height - along * y) / (height - y)
         };
-        match &self.cut_outs[index] {
-            None => darken(dark, shaded(from), shaded(to), span, together),
-            Some(cut_out) => {
-                let uv = |(lower, upper, f): (usize, usize, f64)| {
-                    cut_out.uvs[lower].lerp(cut_out.uvs[upper], f)
-                };
-                let (first, last) = (uv(edge_a), uv(edge_b));
-                let (first, last) = (first.lerp(last, from), first.lerp(last, to));
-                solid_parts(self, cut_out, first, last, |p, q| {
-                    let at = |f: f64| shaded(from + f * (to - from));
-                    darken(dark, at(p), at(q), span, together);
-                });
-            }
-        }
+        let veil = self.veil(index);
+        let Some((cut, map)) = self.cut_out(index) else {
+            shade.add(veil, [shaded(from), shaded(to)], span, together);
+            return;
+        };
+        let spot =
+            |(lower, upper, f): (usize, usize, f64)| cut.corner(lower).lerp(cut.corner(upper), f);
+        let (first, last) = (spot(edge_a), spot(edge_b));
+        let line = [first.lerp(last, from), first.lerp(last, to)];
+        let at = |f: f64| shaded(from + f * (to - from));
+        map.solid_parts(line, [0.0, 1.0], |p, q| {
+            shade.add(veil, [at(p), at(q)], span, together);
+        });
     }
 
-    /// The dark runs of a ray on which the lamp itself lies: up to the last occluder before the lamp, and from the first one behind it.
-    fn along_ray(&self, ray: &Ray, far: f64, lamp: f64, dark: &mut Vec<Run>) {
-        let at = ray.at(lamp);
-        let back = Ray {
-            origin: at,
-            direction: -ray.direction,
+    /// What shades a ray on which the lamp itself lies: what stands before the lamp does up to itself, what stands behind it from
+    /// there on.
+    fn along_ray(&self, ray: &Ray, far: f64, lamp: f64, shade: &mut Shade) {
+        let origin = ray.at(lamp);
+        let mut look = |direction: DVec3, reach: f64, run: &dyn Fn(f64) -> Run| {
+            let (solid, veils) = self.met(&Ray { origin, direction }, 0.0, reach);
+            let solid = solid.map(|hit| (hit.distance, None));
+            let veils = veils
+                .iter()
+                .map(|v| (v.hit.distance, Some((v.kind, v.pass))));
+            for (distance, veil) in veils.chain(solid) {
+                shade.add(veil, run(distance), [0.0, far], 0.0);
+            }
         };
-        if let Some(hit) = self.closest(&back, 0.0, lamp.max(0.0)) {
-            dark.push([0.0, (lamp - hit.distance).min(far)]);
-        }
-        let ahead = Ray {
-            origin: at,
-            direction: ray.direction,
-        };
-        if let Some(hit) = self.closest(&ahead, 0.0, f64::INFINITY)
-            && lamp + hit.distance < far
-        {
-            dark.push([(lamp + hit.distance).max(0.0), far]);
-        }
-        dark.retain(|[from, to]| to > from);
+        look(-ray.direction, lamp.max(0.0), &|distance| {
+            [0.0, lamp - distance]
+        });
+        look(ray.direction, f64::INFINITY, &|distance| {
+            [lamp + distance, far]
+        });
     }
 }

@@ -5,13 +5,17 @@
 //! Edges are tested by signed volumes that are exact negatives for two triangles that share the edge (Woop, Benthin & Wald
 //! 2013), so no ray slips between neighbours.
 
-use super::{AlphaMode, Ray, Scene, Texture, Wrap};
-use glam::{DVec2, DVec3, Vec3A};
+use super::cut_out::{AlphaMap, CutOut};
+use super::opacity::{Opacities, Opacity};
+use super::{Ray, Scene};
+use crate::warning::Warning;
+use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::{Ray as BoxRay, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
+use std::collections::{HashMap, HashSet};
 use std::time::Duration;
 
 /// Where a ray meets a triangle.
@@ -25,7 +29,7 @@ pub struct Hit {
     pub barycentric: [f64; 2],
 }
 
-/// The triangles of a scene that cast shadows, in bounding volumes.
+/// The triangles of a scene that stop light or a part of it, in bounding volumes.
 pub struct Geometry {
     /// Middle of the bounds; corners are relative to it.
     pub(super) origin: DVec3,
@@ -34,9 +38,17 @@ pub struct Geometry {
     pub(super) corners: Vec<[DVec3; 3]>,
     /// The scene's number of each kept triangle.
     pub(super) scene_triangle: Vec<u32>,
-    /// The cut-out of each kept triangle, if its material has one.
-    pub(super) cut_outs: Vec<Option<CutOut>>,
-    textures: Vec<AlphaMap>,
+    /// Those with holes: which of `cut_outs` each kept triangle is, from 1; 0 for one without. Empty where none has any.
+    holes: Vec<u32>,
+    cut_outs: Vec<CutOut>,
+    alpha_maps: Vec<AlphaMap>,
+    /// What the scene's materials are, and what is said of it.
+    opacities: Opacities,
+    /// Those that let light through: which of `passes` each kept triangle is, from 1; 0 for one that does not. Empty where none
+    /// does.
+    veils: Vec<u32>,
+    /// The share of light that each material that lets light through does let through.
+    passes: Vec<f64>,
     rays: CwBvh,
     pub(super) nodes: Vec<Node>,
     /// Diagonal of the bounds [m].
@@ -61,21 +73,18 @@ pub(super) struct Node {
     pub count: u32,
 }
 
-/// A triangle with holes where its texture's alpha is below the cutoff.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CutOut {
-    pub texture: usize,
-    pub uvs: [DVec2; 3],
-    /// Alpha of the texel times the material's factor must reach this, in 0 to 255.
-    pub least: f64,
+/// A surface that lets a part of the light through, where a ray meets it.
+#[derive(Clone, Copy)]
+pub(super) struct Veil {
+    pub hit: Hit,
+    /// Which of the materials that let light through, from 1.
+    pub kind: u32,
+    /// The share of light that it lets through.
+    pub pass: f64,
 }
 
-/// The alpha channel of a texture.
-struct AlphaMap {
-    size: [u32; 2],
-    wrap: [Wrap; 2],
-    alpha: Vec<u8>,
-}
+/// What is within this share of its distance from another veil of the same material is the same: the edge of two triangles.
+const SAME_PLACE: f64 = 1e-12;
 
 struct Inflated(Aabb);
 
@@ -86,35 +95,30 @@ impl Boundable for Inflated {
 }
 
 impl Geometry {
-    /// Takes the triangles of a scene that light cannot pass: not the see-through ones (alpha mode blend, transmission).
+    /// Takes the triangles of a scene that stop light or a part of it ([`super::opacity`] says which).
     pub fn new(scene: &Scene) -> Self {
         let (min, max) = scene.mesh.bounds().unwrap_or_default();
         let origin = 0.5 * (min + max);
         let extent = (max - min).length();
+        let opacities = Opacities::new(scene);
+        let opacity = |triangle: u32| {
+            let material = scene.mesh.triangles[triangle as usize].material;
+            opacities.of_material[material as usize]
+        };
+        let mut twice = HashSet::new();
         let mut corners = Vec::new();
         let mut scene_triangle = Vec::new();
-        let mut cut_outs = Vec::new();
-        for (index, triangle) in scene.mesh.triangles.iter().enumerate() {
-            let material = &scene.materials[triangle.material as usize];
-            if material.alpha_mode == AlphaMode::Blend || material.transmissive {
-                continue;
+        for (index, triangle) in (0..).zip(&scene.mesh.triangles) {
+            let opacity = opacity(index);
+            let places = triangle
+                .vertices
+                .map(|v| scene.mesh.positions[v as usize] - origin);
+            // A pane whose sides are drawn one upon the other is one pane.
+            let again = opacity.is_veil() && !twice.insert((triangle.material, same(places)));
+            if opacity.share > 0.0 && !again {
+                corners.push(places);
+                scene_triangle.push(index);
             }
-            let cut_out = match (material.alpha_mode, material.texture) {
-                (AlphaMode::Mask { cutoff }, Some(texture)) => Some(CutOut {
-                    texture,
-                    uvs: triangle.vertices.map(|v| scene.mesh.uvs[v as usize]),
-                    least: 255.0 * cutoff / material.alpha.max(f64::MIN_POSITIVE),
-                }),
-                (AlphaMode::Mask { cutoff }, None) if material.alpha < cutoff => continue,
-                _ => None,
-            };
-            corners.push(
-                triangle
-                    .vertices
-                    .map(|v| scene.mesh.positions[v as usize] - origin),
-            );
-            scene_triangle.push(index as u32);
-            cut_outs.push(cut_out);
         }
         let scale = match (BOX_EXTENT / extent).log2().ceil().exp2() {
             scale if scale.is_normal() => scale,
@@ -139,7 +143,8 @@ impl Geometry {
             .collect();
         let corners: Vec<_> = order.iter().map(|i| corners[*i]).collect();
         let scene_triangle: Vec<_> = order.iter().map(|i| scene_triangle[*i]).collect();
-        let cut_outs: Vec<_> = order.iter().map(|i| cut_outs[*i]).collect();
+        let (holes, cut_outs, alpha_maps) = cut_outs(scene, &scene_triangle, opacity);
+        let (veils, passes) = veils(scene, &scene_triangle, opacity);
         let rays = build_cwbvh(&boxes(&corners), BvhBuildParams::medium_build(), &mut time);
         let nodes = planes
             .nodes
@@ -161,8 +166,12 @@ impl Geometry {
             max: max - origin,
             corners,
             scene_triangle,
+            holes,
             cut_outs,
-            textures: scene.textures.iter().map(AlphaMap::new).collect(),
+            alpha_maps,
+            opacities,
+            veils,
+            passes,
             rays,
             nodes,
             extent,
@@ -170,16 +179,29 @@ impl Geometry {
         }
     }
 
-    /// Number of triangles that cast shadows.
+    /// Number of triangles that stop light or a part of it.
     pub fn triangle_count(&self) -> usize {
         self.corners.len()
     }
 
-    /// The triangles that cast shadows: their number in the scene, and, for a cut-out, the least alpha (0 to 255, of a texel
-    /// alone) that is solid.
-    pub fn casters(&self) -> impl Iterator<Item = (u32, Option<f64>)> + '_ {
-        let least = self.cut_outs.iter().map(|cut| cut.map(|cut| cut.least));
-        self.scene_triangle.iter().copied().zip(least)
+    /// The triangles that stop light or a part of it: their number in the scene, and how much of them is there, and where.
+    pub fn casters(&self) -> impl Iterator<Item = (u32, Opacity)> + '_ {
+        let opacity = |index: usize| Opacity {
+            share: self.veil(index).map_or(1.0, |(_, pass)| 1.0 - pass),
+            least: self.cut_out(index).map(|(_, map)| map.least() / 255.0),
+        };
+        let opacities = (0..self.corners.len()).map(opacity);
+        self.scene_triangle.iter().copied().zip(opacities)
+    }
+
+    /// Whether anything lets a part of the light through.
+    pub fn has_veils(&self) -> bool {
+        !self.passes.is_empty()
+    }
+
+    /// What is not there of the scene's materials, or not as the file has it.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.opacities.warnings
     }
 
     /// The least box around everything [m].
@@ -192,34 +214,99 @@ impl Geometry {
         self.extent
     }
 
-    /// The first triangle that a ray meets between the distances `near` and `far` [m].
+    /// The first triangle that a ray meets between the distances `near` and `far` [m], whether or not it lets light through.
     pub fn closest(&self, ray: &Ray, near: f64, far: f64) -> Option<Hit> {
         let mut best: Option<Hit> = None;
-        self.visit(ray, near, far, |index, hit| {
+        self.visit(ray, near, far, |_, hit| {
             if hit.distance < best.map_or(far, |b| b.distance) {
-                best = Some(Hit {
-                    triangle: self.scene_triangle[index],
-                    ..hit
-                });
+                best = Some(hit);
             }
-            false
+            hit.distance
         });
         best
     }
 
-    /// Whether anything stands on a ray between the distances `near` and `far` [m].
+    /// What a ray shows: of surfaces that let light through the one that `choice`, a number of 0 to below 1, falls to (see
+    /// [`super::opacity::choice`]), otherwise what stands behind them.
+    pub fn seen(&self, ray: &Ray, choice: f64) -> Option<Hit> {
+        if !self.has_veils() {
+            return self.closest(ray, 0.0, f64::INFINITY);
+        }
+        let (solid, veils) = self.met(ray, 0.0, f64::INFINITY);
+        let mut through = 1.0;
+        for veil in veils {
+            through *= veil.pass;
+            if choice < 1.0 - through {
+                return Some(veil.hit);
+            }
+        }
+        solid
+    }
+
+    /// Whether the first thing on a ray lets light through.
+    pub fn is_veiled(&self, ray: &Ray) -> bool {
+        self.has_veils() && !self.met(ray, 0.0, f64::INFINITY).1.is_empty()
+    }
+
+    /// Whether anything that stops all light stands on a ray between the distances `near` and `far` [m].
     pub fn occluded(&self, ray: &Ray, near: f64, far: f64) -> bool {
         let mut any = false;
-        self.visit(ray, near, far, |_, _| {
-            any = true;
-            true
+        self.visit(ray, near, far, |index, _| {
+            any |= self.veil(index).is_none();
+            if any { 0.0 } else { f64::INFINITY }
         });
         any
     }
 
-    /// Calls `found` for the triangles between `near` and `far` until it returns true; those behind the nearest one
-    /// found so far may be left out.
-    fn visit(&self, ray: &Ray, near: f64, far: f64, mut found: impl FnMut(usize, Hit) -> bool) {
+    /// The share of light that a ray lets through between the distances `near` and `far` [m]: the product over the surfaces that
+    /// it crosses.
+    pub fn transmittance(&self, ray: &Ray, near: f64, far: f64) -> f64 {
+        if !self.has_veils() {
+            return f64::from(u8::from(!self.occluded(ray, near, far)));
+        }
+        match self.met(ray, near, far) {
+            (Some(_), _) => 0.0,
+            (None, veils) => veils.iter().map(|veil| veil.pass).product(),
+        }
+    }
+
+    /// The first surface on a ray that stops all light, and those before it that let a part through, in order. A ray that meets
+    /// two triangles of one pane at the edge between them meets the pane once.
+    pub(super) fn met(&self, ray: &Ray, near: f64, far: f64) -> (Option<Hit>, Vec<Veil>) {
+        let mut solid: Option<Hit> = None;
+        let mut veils = Vec::new();
+        self.visit(ray, near, far, |index, hit| match self.veil(index) {
+            None => {
+                if hit.distance < solid.map_or(far, |s| s.distance) {
+                    solid = Some(hit);
+                }
+                hit.distance
+            }
+            Some((kind, pass)) => {
+                veils.push(Veil { hit, kind, pass });
+                f64::INFINITY
+            }
+        });
+        let end = solid.map_or(far, |s| s.distance);
+        veils.retain(|veil| veil.hit.distance < end);
+        veils.sort_unstable_by(|a, b| a.hit.distance.total_cmp(&b.hit.distance));
+        let reach = (ray.origin - self.origin).length() + self.extent;
+        veils.dedup_by(|b, a| {
+            a.kind == b.kind && b.hit.distance - a.hit.distance <= SAME_PLACE * reach
+        });
+        (solid, veils)
+    }
+
+    /// Which of the materials that let light through a kept triangle has, from 1, and the share that it lets through.
+    pub(super) fn veil(&self, index: usize) -> Option<(u32, f64)> {
+        let kind = *self.veils.get(index)?;
+        let pass = self.passes.get((kind as usize).checked_sub(1)?)?;
+        Some((kind, *pass))
+    }
+
+    /// Calls `found` for the triangles between `near` and `far`; it returns the distance beyond which none is wanted any more: 0
+    /// for none at all.
+    fn visit(&self, ray: &Ray, near: f64, far: f64, mut found: impl FnMut(usize, Hit) -> f64) {
         if self.corners.is_empty() {
             return;
         }
@@ -243,7 +330,8 @@ impl Geometry {
             let hit = intersect(&self.corners[index], origin, ray.direction)?;
             let solid =
                 hit.distance > near && hit.distance < far && self.solid_at(index, hit.barycentric);
-            solid.then_some((index, hit))
+            let triangle = self.scene_triangle[index];
+            solid.then_some((index, Hit { triangle, ..hit }))
         };
         // A distance in f32 that is certainly not less than the f64 one from where the box ray starts.
         let beyond = |distance: f64| {
@@ -256,12 +344,12 @@ impl Geometry {
             if done {
                 return -1.0;
             }
-            match meet(slot) {
-                Some((index, hit)) => {
-                    done = found(index, hit);
-                    if done { -1.0 } else { beyond(hit.distance) }
+            match meet(slot).map(|(index, hit)| found(index, hit)) {
+                None | Some(f64::INFINITY) => f32::INFINITY,
+                Some(wanted) => {
+                    done = wanted == 0.0;
+                    if done { -1.0 } else { beyond(wanted) }
                 }
-                None => f32::INFINITY,
             }
         });
     }
@@ -286,56 +374,81 @@ impl Geometry {
         (enter <= leave).then_some(enter)
     }
 
-    /// Whether a kept triangle is solid there: it always is unless its texture cuts a hole.
-    pub(super) fn solid_at(&self, index: usize, [v, w]: [f64; 2]) -> bool {
-        let Some(cut) = &self.cut_outs[index] else {
-            return true;
+    /// Whether a kept triangle is solid there: it always is unless alpha cuts a hole.
+    fn solid_at(&self, index: usize, barycentric: [f64; 2]) -> bool {
+        self.cut_out(index)
+            .is_none_or(|(cut, map)| map.is_solid(cut.spot(barycentric)))
+    }
+
+    /// The holes of a kept triangle, if it has any, and the alpha map of its material.
+    pub(super) fn cut_out(&self, index: usize) -> Option<(&CutOut, &AlphaMap)> {
+        let number = *self.holes.get(index)?;
+        let cut = self.cut_outs.get((number as usize).checked_sub(1)?)?;
+        Some((cut, &self.alpha_maps[cut.map]))
+    }
+}
+
+/// The corners of a triangle, whatever their order, as bits.
+fn same(mut corners: [DVec3; 3]) -> [[u64; 3]; 3] {
+    let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
+    corners.sort_unstable_by_key(|p| bits(*p));
+    corners.map(bits)
+}
+
+/// Which of the listed triangles have holes (from 1, 0 for none; empty where none has any), those, and their alpha maps.
+fn cut_outs(
+    scene: &Scene,
+    triangles: &[u32],
+    opacity: impl Fn(u32) -> Opacity,
+) -> (Vec<u32>, Vec<CutOut>, Vec<AlphaMap>) {
+    let mesh = &scene.mesh;
+    let mut map_of: HashMap<(Option<usize>, u64), usize> = HashMap::new();
+    let (mut holes, mut cut_outs, mut maps) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, number) in triangles.iter().enumerate() {
+        let Some(least) = opacity(*number).least else {
+            continue;
         };
-        let uv = cut.uvs[0] * (1.0 - v - w) + cut.uvs[1] * v + cut.uvs[2] * w;
-        self.opaque(cut, uv)
+        let triangle = &mesh.triangles[*number as usize];
+        let texture = scene.materials[triangle.material as usize].texture;
+        let map = *map_of.entry((texture, least.to_bits())).or_insert_with(|| {
+            let texture = texture.map(|index| &scene.textures[index]);
+            maps.push(AlphaMap::new(texture, 255.0 * least));
+            maps.len() - 1
+        });
+        cut_outs.push(CutOut {
+            map,
+            uvs: triangle.vertices.map(|v| mesh.uvs[v as usize]),
+            alphas: triangle
+                .vertices
+                .map(|v| mesh.colors.get(v as usize).map_or(1.0, |color| color.w)),
+        });
+        holes.resize(triangles.len(), 0);
+        holes[index] = cut_outs.len() as u32;
     }
-
-    /// Whether a cut-out is solid at a texture coordinate.
-    pub(super) fn opaque(&self, cut: &CutOut, uv: DVec2) -> bool {
-        f64::from(self.textures[cut.texture].at(uv)) >= cut.least
-    }
-
-    /// Texels of a cut-out's texture.
-    pub(super) fn texture_size(&self, cut: &CutOut) -> DVec2 {
-        let [w, h] = self.textures[cut.texture].size;
-        DVec2::new(f64::from(w), f64::from(h))
-    }
+    (holes, cut_outs, maps)
 }
 
-impl AlphaMap {
-    fn new(texture: &Texture) -> Self {
-        AlphaMap {
-            size: [texture.width, texture.height],
-            wrap: texture.wrap,
-            alpha: texture.pixels.iter().map(|p| p[3]).collect(),
+/// Which of the materials that let light through the listed triangles have (from 1, 0 for another one; empty where none has),
+/// and the share that each of them lets through.
+fn veils(
+    scene: &Scene,
+    triangles: &[u32],
+    opacity: impl Fn(u32) -> Opacity,
+) -> (Vec<u32>, Vec<f64>) {
+    let mut kind_of: HashMap<u32, u32> = HashMap::new();
+    let (mut veils, mut passes) = (Vec::new(), Vec::new());
+    for (index, number) in triangles.iter().enumerate() {
+        let opacity = opacity(*number);
+        if opacity.is_veil() {
+            let material = scene.mesh.triangles[*number as usize].material;
+            veils.resize(triangles.len(), 0);
+            veils[index] = *kind_of.entry(material).or_insert_with(|| {
+                passes.push(1.0 - opacity.share);
+                passes.len() as u32
+            });
         }
     }
-
-    fn at(&self, uv: DVec2) -> u8 {
-        let x = texel(uv.x, self.size[0], self.wrap[0]);
-        let y = texel(uv.y, self.size[1], self.wrap[1]);
-        self.alpha[(y * self.size[0] + x) as usize]
-    }
-}
-
-/// The nearest texel of a coordinate (0 to 1 spans the texture) on one axis.
-pub fn texel(coordinate: f64, size: u32, wrap: Wrap) -> u32 {
-    let position = (coordinate * f64::from(size)).floor();
-    let n = f64::from(size);
-    let inside = match wrap {
-        Wrap::Repeat => position.rem_euclid(n),
-        Wrap::Mirror => {
-            let p = position.rem_euclid(2.0 * n);
-            if p < n { p } else { 2.0 * n - 1.0 - p }
-        }
-        Wrap::Clamp => position,
-    };
-    inside.clamp(0.0, n - 1.0) as u32
+    (veils, passes)
 }
 
 /// Where a ray meets a triangle, from either side; `None` where it misses or runs in its plane.

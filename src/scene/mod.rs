@@ -7,6 +7,7 @@ mod assembly;
 pub mod camera;
 mod check;
 pub mod curtain;
+pub mod cut_out;
 mod fan;
 mod file;
 pub mod framing;
@@ -19,8 +20,10 @@ mod mtl_pictures;
 mod named;
 mod obj;
 mod obj_model;
+pub mod opacity;
 pub mod placement;
 mod polygon;
+pub mod shade;
 mod text;
 mod toml;
 pub mod tree;
@@ -125,7 +128,7 @@ pub enum AlphaMode {
         /// The least alpha that is a surface.
         cutoff: f64,
     },
-    /// See-through; such surfaces cast no shadow and are not drawn.
+    /// There is a part of a surface: see [`opacity`].
     Blend,
 }
 

@@ -1,4 +1,5 @@
-//! What the CPU does of a tile: effects without passes, panoramas, points, and pixels at silhouettes.
+//! What the CPU does of a tile: effects without passes, panoramas, points, and pixels at silhouettes or behind what lets light
+//! through.
 
 use super::draw::numbers_pitch;
 use super::job::{CHUNK, Job, float, pixel_of, surface_word};
@@ -10,6 +11,7 @@ use crate::effect::visibility::{ground_surface, known_surface, receiver_surface}
 use crate::effect::{Field, Fields};
 use crate::error::Result;
 use crate::scene::Ray;
+use crate::scene::opacity::choice;
 use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -84,7 +86,8 @@ impl Job<'_> {
             .map(|from| {
                 let to = (from + CHUNK).min(rays.len());
                 let pixels = (from..to).map(|i| pixel_of(i, corner, extent)).collect();
-                Fields::new(rays[from..to].to_vec(), pixels, &self.written)
+                let samples = vec![self.sample; to - from];
+                Fields::new(rays[from..to].to_vec(), pixels, samples, &self.written)
             })
             .collect();
         chunks.par_iter_mut().enumerate().for_each(|(c, fields)| {
@@ -132,14 +135,24 @@ impl Job<'_> {
     }
 
     /// Finds the triangles of a panorama, which cannot be rasterised.
-    pub(super) fn draw_by_cpu(&mut self, index: usize, extent: UVec2, rays: &[Ray]) -> Result<()> {
+    pub(super) fn draw_by_cpu(
+        &mut self,
+        index: usize,
+        corner: UVec2,
+        extent: UVec2,
+        rays: &[Ray],
+    ) -> Result<()> {
         let start = Instant::now();
         let geometry = &self.plan.conditions.geometry;
-        let triangles = self.triangles;
+        let (triangles, sample) = (self.triangles, self.sample);
         let numbers: Vec<u32> = rays
             .par_iter()
+            .enumerate()
             .with_min_len(CHUNK)
-            .map(|ray| triangles.number_met(geometry, ray))
+            .map(|(i, ray)| {
+                let choice = choice(pixel_of(i, corner, extent).to_array(), sample);
+                triangles.number_met(geometry, ray, choice)
+            })
             .collect();
         self.write_numbers(&numbers, extent);
         let stage = &mut self.stages[index];
@@ -148,18 +161,21 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Traces the rays of pixels at silhouettes. A rasteriser rounds corners to parts of a pixel, so that one pixel in some
-    /// hundreds of them would show what stands beside its ray: there the light of the air may be another altogether.
-    pub(super) fn trace_silhouettes(
+    /// Traces the rays of pixels that show a surface which lets light through, and of those at silhouettes if they are wanted. A
+    /// rasteriser rounds corners to parts of a pixel, so that one pixel in some hundreds of them would show what stands beside its
+    /// ray: there the light of the air may be another altogether.
+    pub(super) fn trace_some(
         &mut self,
         index: usize,
+        corner: UVec2,
         extent: UVec2,
         rays: &[Ray],
+        silhouettes: bool,
     ) -> Result<()> {
         let drawn = self.read_numbers(extent)?;
         let start = Instant::now();
         let geometry = &self.plan.conditions.geometry;
-        let triangles = self.triangles;
+        let (triangles, sample) = (self.triangles, self.sample);
         let planes = self.planes;
         let (w, h) = (extent.x as i32, extent.y as i32);
         let numbers: Vec<u32> = (0..w * h)
@@ -171,19 +187,21 @@ impl Job<'_> {
                 let ray = &rays[i as usize];
                 let at = |number: u32| planes[number as usize - 1].distance(ray);
                 let beside = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
-                let is_silhouette = beside
-                    .filter(|(x, y)| (0..w).contains(x) && (0..h).contains(y))
-                    .map(|(x, y)| drawn[(y * w + x) as usize])
-                    .filter(|other| *other != own)
-                    .any(|other| {
-                        // Two planes that the ray meets at one place are a crease, which hides nothing.
-                        own == 0 || other == 0 || {
-                            let (own, other) = (at(own), at(other));
-                            (own - other).abs() > 0.01 * own.abs() || !other.is_finite()
-                        }
-                    });
-                if is_silhouette {
-                    triangles.number_met(geometry, ray)
+                let is_silhouette = silhouettes
+                    && beside
+                        .filter(|(x, y)| (0..w).contains(x) && (0..h).contains(y))
+                        .map(|(x, y)| drawn[(y * w + x) as usize])
+                        .filter(|other| *other != own)
+                        .any(|other| {
+                            // Two planes that the ray meets at one place are a crease, which hides nothing.
+                            own == 0 || other == 0 || {
+                                let (own, other) = (at(own), at(other));
+                                (own - other).abs() > 0.01 * own.abs() || !other.is_finite()
+                            }
+                        });
+                if is_silhouette || triangles.is_veil(own) {
+                    let choice = choice(pixel_of(i as usize, corner, extent).to_array(), sample);
+                    triangles.number_met(geometry, ray, choice)
                 } else {
                     own
                 }

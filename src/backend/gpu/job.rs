@@ -68,6 +68,8 @@ pub struct Job<'j> {
     pub timer: &'j mut Timer,
     /// Where shaders count what they read, if they do.
     counts: Option<Buffer>,
+    /// Which of the pixels' samples is at work.
+    pub sample: u32,
     /// What the CPU knows of the tile's rays, once it was asked.
     pub on_cpu: Option<Vec<Fields>>,
     pub made: Made,
@@ -166,6 +168,7 @@ impl<'j> Job<'j> {
             staging,
             timer,
             counts,
+            sample: 0,
             on_cpu: None,
             made,
             before,
@@ -215,6 +218,7 @@ impl<'j> Job<'j> {
             let extent = self.tile.min(size - corner);
             for (index, offset) in offsets.iter().enumerate() {
                 limits.check()?;
+                self.sample = index as u32;
                 let rays = self.begin_tile(corner, extent, *offset);
                 if !filled {
                     self.fill(limits)?;
@@ -493,7 +497,7 @@ impl<'j> Job<'j> {
             // Points are known, and take the place of what rays meet behind this.
             return match self.plan.conditions.view.points() {
                 Some(_) => Ok(()),
-                None => self.draw_by_cpu(index, extent, rays),
+                None => self.draw_by_cpu(index, corner, extent, rays),
             };
         }
         let stage = &mut self.stages[index];
@@ -522,8 +526,8 @@ impl<'j> Job<'j> {
                     within: self.tile,
                 };
                 draw.submit(self.device, self.timer, index)?;
-                if traced {
-                    self.trace_silhouettes(index, extent, rays)?;
+                if traced || self.plan.conditions.geometry.has_veils() {
+                    self.trace_some(index, corner, extent, rays, traced)?;
                 }
                 Ok(())
             }

@@ -97,7 +97,7 @@ impl<'p> Maker<'_, 'p> {
                 values: &step.settings,
             };
             let effect = step.effect;
-            if effect.passes.is_empty() {
+            if step.is_by_reference(plan.conditions) {
                 self.host(effect, &settings);
                 continue;
             }

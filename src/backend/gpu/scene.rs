@@ -11,8 +11,9 @@ use crate::conditions::Conditions;
 use crate::effect::Resource;
 use crate::error::Result;
 use crate::medium::{Fog, Phase, Shape};
+use crate::scene::opacity::Opacity;
 use crate::scene::{Geometry, Ray, Scene, Wrap};
-use glam::{DVec3, UVec2, Vec3, Vec4};
+use glam::{DVec3, DVec4, UVec2, Vec4};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, OnceLock};
@@ -24,8 +25,8 @@ pub struct Triangles {
     pub numbers: Vec<u32>,
     /// How many of them have no holes.
     pub solid: u32,
-    /// Least solid alpha of those with holes.
-    least_alpha: Vec<Option<f64>>,
+    /// How much of each is there, and where.
+    opacities: Vec<Opacity>,
     /// The number in the picture, from 1, of each of the scene's triangles; 0 for one that is not drawn.
     drawn: Vec<u32>,
 }
@@ -52,7 +53,7 @@ impl Triangles {
         let (mut cut_out, solid): (Vec<_>, Vec<_>) = conditions
             .geometry
             .casters()
-            .partition(|(_, least)| least.is_some());
+            .partition(|(_, opacity)| opacity.least.is_some());
         let count = solid.len() as u32;
         let mut all = solid;
         all.append(&mut cut_out);
@@ -64,7 +65,7 @@ impl Triangles {
             drawn,
             numbers: all.iter().map(|(number, _)| *number).collect(),
             solid: count,
-            least_alpha: all.iter().map(|(_, least)| *least).collect(),
+            opacities: all.iter().map(|(_, opacity)| *opacity).collect(),
         }
     }
 
@@ -73,9 +74,14 @@ impl Triangles {
         [self.solid, self.numbers.len() as u32]
     }
 
-    /// The number in the picture of the triangle that a ray meets first, from 1; 0 for none.
-    pub fn number_met(&self, geometry: &Geometry, ray: &Ray) -> u32 {
-        let hit = geometry.closest(ray, 0.0, f64::INFINITY);
+    /// Whether the triangle of a number in the picture lets light through.
+    pub fn is_veil(&self, number: u32) -> bool {
+        number > 0 && self.opacities[number as usize - 1].is_veil()
+    }
+
+    /// The number in the picture of the triangle that a ray shows first, from 1; 0 for none.
+    pub fn number_met(&self, geometry: &Geometry, ray: &Ray, choice: f64) -> u32 {
+        let hit = geometry.seen(ray, choice);
         hit.map_or(0, |hit| self.drawn[hit.triangle as usize])
     }
 
@@ -316,14 +322,11 @@ fn attributes(conditions: &Conditions, triangles: &Triangles) -> Vec<Attributes>
         .flat_map(|n| mesh.triangles[*n as usize].vertices)
         .map(|v| {
             let v = v as usize;
+            let color = mesh.colors.get(v).unwrap_or(&DVec4::ONE);
             Attributes {
-                normal: mesh.normals[v].as_vec3(),
-                u: mesh.uvs[v].x as f32,
-                color: mesh
-                    .colors
-                    .get(v)
-                    .map_or(Vec3::ONE, |c| c.truncate().as_vec3()),
-                v: mesh.uvs[v].y as f32,
+                normal: mesh.normals[v].as_vec3().to_array(),
+                color: color.as_vec4().to_array(),
+                uv: mesh.uvs[v].as_vec2().to_array(),
             }
         })
         .collect()
@@ -360,10 +363,10 @@ fn materials(conditions: &Conditions, triangles: &Triangles) -> Vec<Material> {
             shared
         })
         .collect();
-    for (number, least) in triangles.numbers.iter().zip(&triangles.least_alpha) {
-        if let Some(least) = least {
+    for (number, opacity) in triangles.numbers.iter().zip(&triangles.opacities) {
+        if let Some(least) = opacity.least {
             let material = scene.mesh.triangles[*number as usize].material;
-            materials[material as usize].least_alpha = *least as f32;
+            materials[material as usize].least_alpha = (255.0 * least) as f32;
         }
     }
     materials

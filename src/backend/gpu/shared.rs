@@ -85,10 +85,9 @@ pub struct TileView {
 /// `Attributes` of shaders/common/tile.wgsl.
 #[derive(Debug, Clone, Copy, Default, ShaderType)]
 pub struct Attributes {
-    pub normal: Vec3,
-    pub u: f32,
-    pub color: Vec3,
-    pub v: f32,
+    pub normal: [f32; 3],
+    pub color: [f32; 4],
+    pub uv: [f32; 2],
 }
 
 /// `Facet` of shaders/common/tile.wgsl.
@@ -253,15 +252,7 @@ mod tests {
             )
         };
         assert!(same_tile_view(&common));
-        assert!(same!(
-            &common,
-            Attributes {
-                normal,
-                u,
-                color,
-                v
-            }
-        ));
+        assert!(same!(&common, Attributes { normal, color, uv }));
         assert!(same!(&common, Facet { plane, material }));
         assert!(same!(
             &common,

@@ -1,0 +1,186 @@
+//! What shades a ray under one beam: runs without light, and runs that surfaces veil that let a part of it through.
+
+use std::collections::BTreeMap;
+
+/// A run of a ray between two distances [m].
+pub type Run = [f64; 2];
+
+/// What shades a ray under one beam.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Shade {
+    /// The runs that no light reaches, in order and apart from each other.
+    pub dark: Vec<Run>,
+    /// The runs that a surface veils, in no order: one for each triangle and solid part of it.
+    pub veiled: Vec<Veiled>,
+}
+
+/// A run in the shade of one surface that lets light through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Veiled {
+    /// From where to where [m].
+    pub run: Run,
+    /// Which material it is, among those that let light through, from 1.
+    pub kind: u32,
+    /// The share of light that it lets through.
+    pub pass: f64,
+}
+
+impl Shade {
+    /// Nothing shades the ray.
+    pub(super) fn clear(&mut self) {
+        self.dark.clear();
+        self.veiled.clear();
+    }
+
+    /// Adds what one surface shades, from one place of the ray to another: all of the light, or but for what a veil (which
+    /// kind, and the share it lets through) leaves.
+    pub(super) fn add(&mut self, veil: Option<(u32, f64)>, [a, b]: Run, span: Run, together: f64) {
+        let run = [a.min(b).max(span[0]), a.max(b).min(span[1])];
+        if run[1] <= run[0] {
+            return;
+        }
+        match veil {
+            None => insert(&mut self.dark, run, together),
+            Some((kind, pass)) => self.veiled.push(Veiled { run, kind, pass }),
+        }
+    }
+
+    /// The runs of [0, far] that light reaches, in order, and the share of it that does: the product over the surfaces on its way.
+    pub fn lit(&self, far: f64) -> Vec<(Run, f64)> {
+        let gaps = complement(&self.dark, far);
+        if self.veiled.is_empty() {
+            return gaps.map(|run| (run, 1.0)).collect();
+        }
+        let ends = |veil: &Veiled| [(veil.run[0], *veil, 1), (veil.run[1], *veil, -1)];
+        let mut ends: Vec<(f64, Veiled, i32)> = self.veiled.iter().flat_map(ends).collect();
+        ends.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut ends = ends.into_iter().peekable();
+        let mut present: BTreeMap<u32, (f64, i32)> = BTreeMap::new();
+        let mut lit: Vec<(Run, f64)> = Vec::new();
+        for [from, to] in gaps {
+            let mut at = from;
+            let mut reach = |to: f64, present: &BTreeMap<u32, (f64, i32)>| {
+                if to <= at {
+                    return;
+                }
+                let pass = present.values().map(|(pass, count)| pass.powi(*count));
+                let pass: f64 = pass.product();
+                match lit.last_mut() {
+                    // Two triangles of one pane.
+                    Some((run, last)) if run[1] == at && *last == pass => run[1] = to,
+                    _ => lit.push(([at, to], pass)),
+                }
+                at = to;
+            };
+            while let Some((place, veil, change)) = ends.next_if(|(place, ..)| *place < to) {
+                reach(place, &present);
+                present.entry(veil.kind).or_insert((veil.pass, 0)).1 += change;
+            }
+            reach(to, &present);
+        }
+        lit
+    }
+
+    /// The runs of [0, far] on which something keeps light off, and the share of it that is missing.
+    pub fn missing(&self, far: f64) -> impl Iterator<Item = (Run, f64)> {
+        let dark = self.dark.iter().map(|run| (*run, 1.0));
+        let veiled = (!self.veiled.is_empty()).then(|| self.lit(far));
+        let veiled = veiled.into_iter().flatten();
+        let veiled = veiled.map(|(run, pass)| (run, 1.0 - pass));
+        dark.chain(veiled.filter(|(_, missing)| *missing > 0.0))
+    }
+}
+
+/// Adds a run to sorted, separate ones, joined with those that it touches (within `together`).
+fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
+    let first = runs.partition_point(|r| r[1] + together < run[0]);
+    let after = first + runs[first..].partition_point(|r| r[0] <= run[1] + together);
+    if first == after {
+        runs.insert(first, run);
+        return;
+    }
+    runs[first] = [run[0].min(runs[first][0]), run[1].max(runs[after - 1][1])];
+    runs.drain(first + 1..after);
+}
+
+/// Whether one of the sorted, separate runs holds all of [from, to].
+pub(super) fn holds(runs: &[Run], from: f64, to: f64) -> bool {
+    let after = runs.partition_point(|r| r[0] <= from);
+    after > 0 && runs[after - 1][1] >= to
+}
+
+/// Adds the parts of [from, to] that are in none of the sorted, separate runs.
+pub(super) fn gaps(runs: &[Run], from: f64, to: f64, gaps: &mut Vec<Run>) {
+    let mut at = from;
+    for run in &runs[runs.partition_point(|r| r[1] <= from)..] {
+        if run[0] >= to {
+            break;
+        }
+        if run[0] > at {
+            gaps.push([at, run[0]]);
+        }
+        at = run[1];
+    }
+    if at < to {
+        gaps.push([at, to]);
+    }
+}
+
+/// The runs of [0, far] between the given ones: from dark to lit and back.
+pub fn complement(runs: &[Run], far: f64) -> impl Iterator<Item = Run> + '_ {
+    let starts = std::iter::once(0.0).chain(runs.iter().map(|r| r[1]));
+    let ends = runs.iter().map(|r| r[0]).chain(std::iter::once(far));
+    starts.zip(ends).map(|(a, b)| [a, b]).filter(|[a, b]| b > a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn touching_runs_become_one_and_the_rest_is_lit() {
+        let mut runs = Vec::new();
+        for run in [[5.0, 6.0], [1.0, 2.0], [2.0, 3.0], [1.5, 1.6]] {
+            insert(&mut runs, run, 0.0);
+        }
+        assert!(holds(&runs, 1.2, 2.5) && !holds(&runs, 2.5, 5.5) && !holds(&runs, 0.5, 0.7));
+        assert_eq!(runs, [[1.0, 3.0], [5.0, 6.0]]);
+        let lit: Vec<Run> = complement(&runs, 6.0).collect();
+        assert_eq!(lit, [[0.0, 1.0], [3.0, 5.0]]);
+    }
+
+    #[test]
+    fn veils_multiply_where_they_overlap() {
+        let veil = |run: Run, kind: u32, pass: f64| Veiled { run, kind, pass };
+        let shade = Shade {
+            dark: vec![[4.0, 5.0]],
+            veiled: vec![
+                veil([1.0, 2.0], 1, 0.5),
+                // The other triangle of the same pane.
+                veil([2.0, 3.0], 1, 0.5),
+                veil([2.5, 8.0], 2, 0.25),
+                veil([6.0, 7.0], 2, 0.25),
+            ],
+        };
+        let lit = shade.lit(10.0);
+        assert_eq!(
+            lit,
+            [
+                ([0.0, 1.0], 1.0),
+                ([1.0, 2.5], 0.5),
+                ([2.5, 3.0], 0.125),
+                ([3.0, 4.0], 0.25),
+                ([5.0, 6.0], 0.25),
+                ([6.0, 7.0], 0.0625),
+                ([7.0, 8.0], 0.25),
+                ([8.0, 10.0], 1.0),
+            ]
+        );
+        let missing: f64 = shade
+            .missing(10.0)
+            .map(|([a, b], share)| share * (b - a))
+            .sum();
+        let reaching: f64 = lit.iter().map(|([a, b], share)| share * (b - a)).sum();
+        assert!((missing + reaching - 10.0).abs() < 1e-12);
+    }
+}
