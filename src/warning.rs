@@ -525,6 +525,7 @@ fn length(metres: f64) -> String {
         m if m >= 1000.0 => format!("{:.1} km", m / 1000.0),
         m if m >= 1.0 => format!("{m:.1} m"),
         m if m >= 0.001 => format!("{:.1} mm", m * 1000.0),
+        0.0 => "0 m".into(),
         m => format!("{m:.1e} m"),
     }
 }

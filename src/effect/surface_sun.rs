@@ -94,5 +94,5 @@ pub const SURFACE_SUN: Effect = Effect {
 
 /// How far a shadow ray must go before it counts what it meets [m]: above the rounding of the position it leaves from.
 pub(super) fn clearance(conditions: &Conditions, position: DVec3) -> f64 {
-    1e-11 * (conditions.geometry.extent() + position.length())
+    1e-11 * conditions.geometry.extent() + 1e-12 * position.length()
 }

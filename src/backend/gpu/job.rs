@@ -12,7 +12,7 @@ use super::shared;
 use super::store::Store;
 use super::tile::{Target, TileBuffers};
 use super::timer::Timer;
-use super::view;
+use super::window;
 use crate::backend::film::{self, Film};
 use crate::backend::rendering::{Limits, Made, Progress, Rendered, StepTime, Traffic};
 use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
@@ -140,7 +140,7 @@ impl<'j> Job<'j> {
         };
         let traced = stages.iter().any(traced);
         let anchor = scene.anchor;
-        let deepest = view::deepest(plan.conditions, &scene.casters);
+        let deepest = window::deepest(plan.conditions, &scene.casters);
         let (triangles, planes, slots) = scene.parts(traced);
         Ok(Job {
             plan,

@@ -3,6 +3,7 @@
 
 use super::seen::{Seen, Sight, pixel_width};
 use super::shared::{self, PARTITIONS, PartitionMap};
+use super::window::{Window, heights};
 use crate::beam::Beam;
 use crate::conditions::Conditions;
 use crate::effect::MapSettings;
@@ -23,56 +24,6 @@ const RATIO: f64 = 4.0;
 
 /// The share of rays that end so near that they do not decide how far maps are split.
 const NEAR_SHARE: f64 = 0.05;
-
-/// A rectangle across the light [m].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Window {
-    min: DVec2,
-    max: DVec2,
-}
-
-impl Window {
-    pub(super) const EMPTY: Window = Window {
-        min: DVec2::INFINITY,
-        max: DVec2::NEG_INFINITY,
-    };
-
-    pub(super) fn with(self, at: DVec2) -> Window {
-        Window {
-            min: self.min.min(at),
-            max: self.max.max(at),
-        }
-    }
-
-    fn and(self, other: &Window) -> Window {
-        Window {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
-    }
-
-    fn within(self, other: &Window) -> Window {
-        Window {
-            min: self.min.max(other.min),
-            max: self.max.min(other.max),
-        }
-    }
-
-    fn grown(self, by: DVec2) -> Window {
-        Window {
-            min: self.min - by,
-            max: self.max + by,
-        }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.min.cmpgt(self.max).any()
-    }
-
-    fn encloses(&self, other: &Window) -> bool {
-        self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
-    }
-}
 
 /// What a partition covers across the light, and a distance in its middle [m].
 #[derive(Debug, Clone, Copy)]
@@ -266,68 +217,6 @@ pub fn fit(
     light
 }
 
-/// Least and greatest height of what lies over or under each window [m]; 0 and 0 where nothing does.
-pub(super) fn heights(triangles: &[[DVec3; 3]], windows: &[Window]) -> Vec<(f64, f64)> {
-    let none = || vec![(f64::INFINITY, f64::NEG_INFINITY); windows.len()];
-    let with = |mut heights: Vec<(f64, f64)>, triangle: &[DVec3; 3]| {
-        let bounds = triangle
-            .iter()
-            .fold(Window::EMPTY, |window, p| window.with(p.truncate()));
-        for (window, heights) in windows.iter().zip(&mut heights) {
-            if bounds.within(window).is_empty() {
-                continue;
-            }
-            let mut count = |p: DVec3| *heights = (heights.0.min(p.z), heights.1.max(p.z));
-            if window.encloses(&bounds) {
-                triangle.iter().copied().for_each(count);
-            } else {
-                clipped(triangle, window).into_iter().for_each(&mut count);
-            }
-        }
-        heights
-    };
-    let join = |a: Vec<(f64, f64)>, b: Vec<(f64, f64)>| {
-        let pairs = a.into_iter().zip(b);
-        pairs.map(|(a, b)| (a.0.min(b.0), a.1.max(b.1))).collect()
-    };
-    let found = triangles
-        .par_iter()
-        .with_min_len(4096)
-        .fold(none, with)
-        .reduce(none, join);
-    let or_flat = |heights: (f64, f64)| match heights.0 <= heights.1 {
-        true => heights,
-        false => (0.0, 0.0),
-    };
-    found.into_iter().map(or_flat).collect()
-}
-
-/// The corners of what a window leaves of a triangle (Sutherland & Hodgman 1974).
-fn clipped(triangle: &[DVec3; 3], window: &Window) -> Vec<DVec3> {
-    let mut polygon = triangle.to_vec();
-    for (axis, limit, sign) in [
-        (0, window.min.x, 1.0),
-        (0, window.max.x, -1.0),
-        (1, window.min.y, 1.0),
-        (1, window.max.y, -1.0),
-    ] {
-        let inside = |p: DVec3| sign * (p[axis] - limit);
-        let mut next = Vec::with_capacity(polygon.len() + 1);
-        for (i, &p) in polygon.iter().enumerate() {
-            let q = polygon[(i + 1) % polygon.len()];
-            let (a, b) = (inside(p), inside(q));
-            if a >= 0.0 {
-                next.push(p);
-            }
-            if (a >= 0.0) != (b >= 0.0) {
-                next.push(p + (q - p) * (a / (a - b)));
-            }
-        }
-        polygon = next;
-    }
-    polygon
-}
-
 /// What each part of the view covers across the light, the nearest first.
 ///
 /// Maps are fitted to the rays of `seen`. What other rays see beyond them is covered by a last one, that of the whole view.
@@ -456,27 +345,6 @@ mod tests {
         // A scene that reaches 40 km keeps its near partitions.
         let far = splits(1.0, 40_000.0, &settings(3));
         assert!(far[1] <= 1.0 + 1e-9 && far.len() > 6, "{far:?}");
-    }
-
-    #[test]
-    fn heights_are_those_within_the_window() {
-        // A plane z = x that reaches far, and something high elsewhere.
-        let far = 1e5;
-        let plane = [
-            DVec3::new(-far, -far, -far),
-            DVec3::new(far, -far, far),
-            DVec3::new(0.0, far, 0.0),
-        ];
-        let tower = [DVec3::new(50.0, 0.0, 900.0); 3];
-        let window = Window {
-            min: DVec2::new(-2.0, -1.0),
-            max: DVec2::new(3.0, 1.0),
-        };
-        let found = heights(&[plane, tower], &[window]);
-        assert!(
-            (found[0].0 + 2.0).abs() < 1e-9 && (found[0].1 - 3.0).abs() < 1e-9,
-            "{found:?}"
-        );
     }
 
     #[test]

@@ -35,6 +35,7 @@ mod store;
 mod tile;
 mod timer;
 mod view;
+mod window;
 
 pub use device::{Choice, Device};
 pub use on_device::OnDevice;

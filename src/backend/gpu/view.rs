@@ -1,44 +1,13 @@
 //! What a tile's shaders know of the camera and the ground.
 
 use super::job::Job;
-use super::maps::{Window, heights};
 use super::shared;
 use crate::colour::Space;
-use crate::conditions::Conditions;
 use crate::scene::Projection;
-use glam::{DVec2, DVec3, UVec2, Vec4};
-use rayon::prelude::*;
+use glam::{DVec2, UVec2, Vec4};
 
 /// The near plane is a millionth of the scene's diagonal away, of this at most [m].
 const NEAR_OF: f64 = 1e3;
-
-/// The greatest depth of what an orthographic view has in its frame [m]; of other views nothing needs it.
-///
-/// Depths are even from the eye to there: a far end of the scene beside the frame does not make them coarse.
-pub(super) fn deepest(conditions: &Conditions, casters: &[DVec3]) -> f64 {
-    let camera = &conditions.view.camera;
-    let least = 1e-6 * conditions.geometry.extent();
-    if !matches!(camera.projection, Projection::Orthographic { .. }) {
-        return least;
-    }
-    let [right, up, forward] = camera.axes();
-    let place = |p: DVec3| {
-        let p = p - camera.eye;
-        DVec3::new(right.dot(p), up.dot(p), forward.dot(p))
-    };
-    let triangles: Vec<[DVec3; 3]> = casters
-        .par_chunks_exact(3)
-        .map(|t| [place(t[0]), place(t[1]), place(t[2])])
-        .collect();
-    let [w, h] = conditions.view.size.map(f64::from);
-    // A pixel more, since samples lie beside the centres.
-    let corners = [(-1.0, -1.0), (w + 1.0, h + 1.0)].map(|(x, y)| {
-        let ray = camera.ray(DVec2::new(x, y), conditions.view.size);
-        place(ray.origin).truncate()
-    });
-    let frame = Window::EMPTY.with(corners[0]).with(corners[1]);
-    heights(&triangles, &[frame])[0].1.max(least)
-}
 
 impl Job<'_> {
     /// What shaders know of a tile.
