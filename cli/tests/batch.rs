@@ -76,8 +76,15 @@ fn a_closed_pipe_ends_it_quietly_though_more_could_come() {
     stdout.read_line(&mut line).expect("it writes");
     stdout.read_line(&mut line).expect("it writes");
     drop(stdout);
-    // The next row finds nobody; the input stays open.
-    let _ = stdin.write_all(ROW.as_bytes());
+    // The next row finds nobody; the input stays open. Another test's child may hold the pipe too for as long as it takes to
+    // start, so that one row more is needed.
+    for _ in 0..1000 {
+        let _ = stdin.write_all(ROW.as_bytes());
+        if child.try_wait().expect("it can be asked").is_some() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
     let status = child.wait().expect("it ends");
     assert!(status.success());
     let mut errors = String::new();

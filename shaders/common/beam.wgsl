@@ -75,11 +75,11 @@ fn axis_parts(direction: vec3f) -> vec3f {
     return vec3f(dot(beam.across.xyz, direction), dot(beam.along.xyz, direction), dot(beam.height.xyz, direction));
 }
 
-// The finest partition whose map covers a place, by at least `border` texels; `partitions` when none does.
-fn covering(at: vec2f, border: f32) -> u32 {
+// The finest partition whose map covers a place; `partitions` when none does.
+fn covering(at: vec2f) -> u32 {
     for (var k = 0u; k < beam.partitions; k++) {
         let q = (at - beam.maps[k].least) / beam.maps[k].texel;
-        if all(q >= vec2f(border)) && all(q < beam.maps[k].size - border) {
+        if all(q >= vec2f(0.0)) && all(q < beam.maps[k].size) {
             return k;
         }
     }
@@ -94,7 +94,7 @@ fn caster_height(part: u32, texel: vec2i) -> f32 {
 
 // Number of the light-nearest caster at a place; NO_CASTER where there is none, CUT_OUT where it has holes.
 fn caster_at(at: vec2f) -> u32 {
-    let k = covering(at, 0.0);
+    let k = covering(at);
     if k == beam.partitions {
         return NO_CASTER;
     }
@@ -172,7 +172,7 @@ fn beam_reaches(p: vec3f) -> bool {
     if at.z >= beam.highest || any(at.xy < beam.casters.xy) || any(at.xy > beam.casters.zw) {
         return true;
     }
-    let k = covering(at.xy, 0.0);
+    let k = covering(at.xy);
     if k == beam.partitions {
         return true;
     }

@@ -51,6 +51,10 @@ fn caster_meets(triangle: u32, start: vec3f, axes: RayAxes, blur: f32, far: f32)
     let u = turned(b, c);
     let v = turned(c, a);
     let w = turned(a, b);
+    // Seen edge-on, as far as f32 tells.
+    if u == 0.0 && v == 0.0 && w == 0.0 {
+        return false;
+    }
     if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
         return false;
     }

@@ -158,7 +158,7 @@ fn slice_height(at: vec2f) -> f32 {
     if any(at < beam.casters.xy) || any(at > beam.casters.zw) {
         return -1e30;
     }
-    let k = covering(at, 0.0);
+    let k = covering(at);
     if k == beam.partitions {
         return -1e30;
     }
@@ -217,7 +217,7 @@ fn row_middle(rows: Rows, row: u32) -> f32 {
 
 // How wide a texel is at a place, of the finest map that covers it.
 fn texel_at(at: vec2f) -> f32 {
-    return length(beam.maps[min(covering(at, 0.0), beam.partitions - 1u)].texel);
+    return length(beam.maps[min(covering(at), beam.partitions - 1u)].texel);
 }
 
 // What stands for a border that casters' edges do not tell: that of something without an edge nearby, or with holes.
@@ -306,8 +306,10 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
     let along = span.shaded.y <= span.shaded.x || along_light(slice, span.shaded);
     let crossing = crossing_of(rows, slice, span.shaded);
     let blocks = rows.columns / 8u;
-    let first_leaf = tree_row(row, blocks);
-    let low = first_leaf + blocks;
+    var at_row = row;
+    var first_leaf = tree_row(row, blocks);
+    // Where nodes of each level begin, from the row's first leaf on.
+    let low = blocks;
     let middle = low + blocks / 4u;
     let high = middle + blocks / 16u;
     var column = select(crossing.first, crossing.last, along);
@@ -319,7 +321,7 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
     var held3 = vec4u(0u);
     if !along {
         count_nodes(1u);
-        held3 = tree[high + column / 512u];
+        held3 = tree[first_leaf + high + column / 512u];
     }
     // What comes behind the last column: a ray along the light turns twice, all is lit, the air ends.
     var last = select(2u, select(0u, 2u, span.shaded.y <= span.shaded.x), along);
@@ -346,7 +348,7 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
                 level = select(select(select(1u, 2u, column % 32u == 0u), 3u, column % 128u == 0u), 3u, level == 3u);
                 if column % 512u == 0u && column < crossing.last {
                     count_nodes(1u);
-                    held3 = tree[high + column / 512u];
+                    held3 = tree[first_leaf + high + column / 512u];
                 }
             } else {
                 let child = firstTrailingBit(next);
@@ -355,9 +357,8 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
                     level -= 1u;
                     count_reads(u32(level == 0u));
                     count_nodes(u32(level != 0u));
-                    let node = select(select(middle + column / 128u, low + column / 32u, level == 1u),
-                                      first_leaf + column / 8u, level == 0u);
-                    let found = tree[node];
+                    let node = select(select(middle + column / 128u, low + column / 32u, level == 1u), column / 8u, level == 0u);
+                    let found = tree[first_leaf + node];
                     held0 = select(held0, found, level == 0u);
                     held1 = select(held1, found, level == 1u);
                     held2 = select(held2, found, level == 2u);
@@ -365,6 +366,21 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
                     // Distances are found later, for all borders together.
                     turn(!is_lit(), -1.0 - f32(column));
                 }
+            }
+        }
+        // All dark: the row on the ray's other side may show a beam that the ray just enters, as that of a slit whose sides run
+        // along the rows. Where it does not, borders from its casters leave nothing between them.
+        let is_dark = run_count == 2u && run_borders[1] == -1.0 - f32(crossing.first);
+        if column >= crossing.last && last == 2u && !along && halvings > 0u && is_dark && at_row == row {
+            let onward = slice.row > row_middle(rows, row);
+            if select(row > 0u, row + 1u < rows.count, onward) {
+                at_row = select(row - 1u, row + 1u, onward);
+                first_leaf = tree_row(at_row, blocks);
+                column = crossing.first;
+                level = 3u;
+                count_nodes(1u);
+                held3 = tree[first_leaf + high + column / 512u];
+                continue;
             }
         }
         while column >= crossing.last && last < 4u && !is_full() {
@@ -391,21 +407,24 @@ fn scattered_in_row(origin: vec3f, direction: vec3f, slice: Slice, span: Span, r
             let column = -1.0 - run_borders[k];
             let after = -1.0 - run_borders[min(k + 1u, 15u)];
             let next = select(1e9, after, k + 1u < run_count && after >= 0.0);
+            // Light of the other row counts only where casters bound it: elsewhere it begins last and ends first.
+            let unbounded = select(span.shaded.x, span.shaded.y, (k & 1u) == 0u);
             if column > f32(crossing.first) {
-                var t = column_distance(rows, slice, span, column);
+                let near = column_distance(rows, slice, span, column);
+                var t = select(unbounded, near, at_row == row);
                 if exact {
-                    let edge = edge_of_shadow(rows, slice, span, row, column, t, (k & 1u) == 0u);
+                    let edge = edge_of_shadow(rows, slice, span, at_row, column, near, (k & 1u) == 0u);
                     exact = edge != HOLES || run_count <= 8u;
                     if edge > NO_EDGE {
                         t = clamp(edge, span.shaded.x, span.shaded.y);
-                    } else if exact {
+                    } else if exact && at_row == row {
                         t = halved_border(rows, slice, span, column, (k & 1u) == 0u, halvings, vec2f(before, next));
                     }
                 }
                 run_borders[k] = max(t, run_borders[max(k, 1u) - 1u]);
             } else if column >= 0.0 {
                 // The first column begins before the ray does.
-                run_borders[k] = span.shaded.x;
+                run_borders[k] = select(max(unbounded, run_borders[max(k, 1u) - 1u]), span.shaded.x, at_row == row);
             }
             before = select(before, column, column >= 0.0);
         }

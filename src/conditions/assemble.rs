@@ -5,6 +5,7 @@ use crate::ephemeris::civil::{self, Fold, Moment, Reading};
 use crate::ephemeris::{Site, SunPosition, Tier, TimeScale, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
 use crate::medium::{Air, clear};
+use crate::memory;
 use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
 use crate::sky::sun::{SunPath, visible_part};
 use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
@@ -76,12 +77,16 @@ impl Conditions {
     ///
     /// # Errors
     /// [`Error::Domain`] for a number outside the range in which its equations hold, [`Error::Input`] for what is missing or
-    /// contradicts itself.
+    /// contradicts itself, [`Error::Failed`] where there is not enough memory for the scene's tree.
     pub fn new(scene: impl Into<Arc<Scene>>, request: &Request) -> Result<Self> {
         let scene: Arc<Scene> = scene.into();
         let size = request.size.or(scene.picture.size).unwrap_or([960, 600]);
         let samples = request.samples.or(scene.picture.samples).unwrap_or(1);
         checks::picture(size, samples)?;
+        // Corners, bounding volumes of both trees, and what building them takes for a while.
+        let texels: usize = scene.textures.iter().map(|t| t.pixels.len()).sum();
+        let bytes = 600 * scene.mesh.triangles.len() as u64 + 8 * texels as u64;
+        memory::check("the tree of the scene's triangles", bytes)?;
         let geometry = Arc::new(Geometry::new(&scene));
         let (camera, chosen) = camera(&scene, &request.camera, size)?;
         let height = ground_height(&scene, &geometry);

@@ -45,7 +45,7 @@ pub enum RasterView {
     /// silhouettes are traced on the CPU, since a rasteriser rounds corners.
     Camera(fn(&Settings<'_>) -> bool),
     /// From where a beam comes from: depths and numbers become the maps that `shaders/common/beam.wgsl` reads, whenever a pass
-    /// that runs for each beam needs them. What is nearer to a local beam than its radius, or than 1e-4 of the scene's diagonal, is not in its
+    /// that runs for each beam needs them. What is nearer to a local beam than its radius, or than a micrometre, is not in its
     /// maps. The first effect of a plan that draws them draws them for all.
     Beam(fn(&Settings<'_>) -> MapSettings),
     /// Into the five faces of a hemicube, of so many texels on a side: the numbers of triangles, from 1, become the effect's
@@ -57,9 +57,9 @@ pub enum RasterView {
 /// How the shadow maps of beams are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapSettings {
-    /// Parts of the camera's depth, one map each.
+    /// Parts of what is seen by its distance, one map each; more where it reaches far.
     pub partitions: usize,
-    /// Share of logarithmic spacing in the split of the camera's depth; the rest is even.
+    /// Share of logarithmic spacing in the split by distance, unless there are more parts; the rest is even.
     pub logarithmic: f64,
     /// The most texels on a side of a map.
     pub most: u32,
@@ -194,7 +194,7 @@ pub enum Resource {
     Texels,
     /// Whether anything stands between a surface and the pass's beam, exactly: `is_shaded(p, own)`, by the tree of all casters. The
     /// pass runs for each beam, and names attributes, facets, materials and texels too. It does without the
-    /// beam's shadow maps, which need not have been drawn.
+    /// beam's shadow maps, which need not have been drawn: what asks them, `beam_reaches` for one, finds light everywhere.
     CasterTree,
     /// Numbers by name: `knobs: Knobs`, a struct with just these members.
     Knobs(fn(&Conditions, &Settings<'_>) -> Vec<(&'static str, Number)>),

@@ -87,7 +87,8 @@ pub const MADE_OF: &[Input] = &[
     Input::Beam,
 ];
 
-/// Least and greatest row coordinate, a and c that the tile's pixels ask for, as integers of the same order.
+/// Least and greatest row coordinate, a and c that the tile's pixels ask for, as integers of the same order; last a sum of the
+/// logarithms of their greatest a, and of how many.
 pub const ASKED: Product = Product {
     name: "asked",
     wgsl: "array<atomic<u32>, 16>",

@@ -38,7 +38,7 @@ pub const SHADOW: Effect = Effect {
         },
         Knob {
             name: "split",
-            meaning: "share of logarithmic spacing in the split by distance; the rest is even",
+            meaning: "share of logarithmic spacing in the split by distance, unless there are more parts; the rest is even",
             values: [0.7; 4],
             range: [0.0, 1.0],
         },

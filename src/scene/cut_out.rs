@@ -81,6 +81,8 @@ impl AlphaMap {
     }
 
     fn of(size: [u32; 2], wrap: [Wrap; 2], alpha: Vec<u8>, least: f64) -> Self {
+        // Vertices' alpha is interpolated, also where it is the same at all three: 1 may come out a digit less.
+        let least = least - 1e-9;
         AlphaMap {
             size,
             wrap,

@@ -79,7 +79,8 @@ impl Adapter {
     pub fn takes(&self, triangles: usize, texels: usize) -> Result<()> {
         // Per triangle three corners of three numbers, and three times what a shader's `Attributes` hold.
         const CORNERS: u64 = 3 * 12;
-        const ATTRIBUTES: u64 = 3 * 32;
+        const ATTRIBUTES: u64 =
+            3 * <super::shared::Attributes as encase::ShaderSize>::SHADER_SIZE.get();
         const TEXEL: u64 = 4;
         let most = self.limits.buffer_bytes.min(self.limits.binding_bytes);
         for (what, count, bytes) in [
@@ -337,11 +338,11 @@ mod tests {
             timestamps: true,
             unclipped_depth: true,
         };
-        let most = (128 << 20) / 96;
+        let most = (128 << 20) / 108;
         assert!(adapter.takes(most, 32 << 20).is_ok());
         let error = adapter.takes(most + 1, 0).unwrap_err().problem();
         assert!(
-            error.contains("1398102 triangles") && error.contains("takes 1398101"),
+            error.contains("1242757 triangles") && error.contains("takes 1242756"),
             "{error}"
         );
         let error = adapter.takes(0, (32 << 20) + 1).unwrap_err().problem();

@@ -36,7 +36,8 @@ struct Covered {
 /// too far apart, there are more, evenly in the logarithm.
 fn splits(near: f64, far: f64, settings: &MapSettings) -> Vec<f64> {
     let near = near.clamp(1e-9 * far, far);
-    let parts = settings.partitions.max(1);
+    // One map is left for the whole view.
+    let parts = settings.partitions.clamp(1, PARTITIONS as usize - 1);
     let needed = 1.0 + ((far / near).ln() / RATIO.ln()).max(0.0);
     let count = parts.max((needed.ceil() as usize).min(PARTITIONS as usize - 1));
     let share = if count > parts {
@@ -187,7 +188,15 @@ pub fn fit(
             maps.push(map);
         }
     }
-    for (map, heights) in maps.iter_mut().zip(heights(&triangles, &covered)) {
+    // A snapped map is a little wider than its window, and is read up to its border.
+    let drawn: Vec<Window> = maps
+        .iter()
+        .map(|map| Window {
+            min: map.least.as_dvec2(),
+            max: (map.least + map.size * map.texel).as_dvec2(),
+        })
+        .collect();
+    for (map, heights) in maps.iter_mut().zip(heights(&triangles, &drawn)) {
         // Corners far away are rounded, and with them what lies between.
         let slack = 1e-3 * (heights.1 - heights.0) + 1e-6 * low.abs().max(high.abs()).max_element();
         let slack = slack.max(f64::from(f32::MIN_POSITIVE));
@@ -332,6 +341,7 @@ mod tests {
         for (partitions, near, far) in [
             (4, 0.1, 2.0),
             (3, 0.1, 40_000.0),
+            (16, 0.1, 40_000.0),
             (1, 5.0, 5.0),
             (3, 0.0, 1e7),
         ] {

@@ -11,6 +11,7 @@
 //! | [`adapters`], [`device`], `timer` | which adapters there are; a device with errors and bytes; how long passes take |
 //! | `shared`, `source`, `pipeline` | what Rust and WGSL share; the text of a shader; what is compiled of it |
 //! | `scene`, `store`, `beams`, `maps` | what lasts: the scene, fields and products, beams with their shadow maps and where these look |
+//! | `seen`, `window` | how far a picture's rays see; what lies within a rectangle along a direction |
 //! | `prepare`, `schedule`, `job`, `tile`, `view` | a plan made ready, in which order, and at work; the buffers of a tile, and its camera |
 //! | `draw`, `by_cpu`, `on_device` | one submit; what the CPU does of a tile; pictures that stay |
 //! | [`sky_map`] | maps of the whole sky |

@@ -311,6 +311,9 @@ impl SceneOnDevice {
     }
 }
 
+/// Alpha is interpolated over a triangle, also where it is the same at all corners: what is met by so little is met, in 0 to 255.
+const ROUNDING: f64 = 1e-3;
+
 const CORNERS_NAME: &str = "the scene's triangles";
 const FACETS_NAME: &str = "the triangles' planes and materials";
 
@@ -366,7 +369,7 @@ fn materials(conditions: &Conditions, triangles: &Triangles) -> Vec<Material> {
     for (number, opacity) in triangles.numbers.iter().zip(&triangles.opacities) {
         if let Some(least) = opacity.least {
             let material = scene.mesh.triangles[*number as usize].material;
-            materials[material as usize].least_alpha = (255.0 * least) as f32;
+            materials[material as usize].least_alpha = (255.0 * least - ROUNDING) as f32;
         }
     }
     materials
