@@ -1,10 +1,15 @@
 //! Many boxes of haze: what they make is what one box does, and a thousand cost what a thousand do.
 
+mod common;
+
+use common::{build, shafts, views};
 use glam::DVec3;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use tyndall::beam::Beam;
+use tyndall::effect::Method;
 use tyndall::medium::{Air, Medium, Phase, Scattering, Shape};
+use tyndall::plan::Quality;
 
 fn medium(min: DVec3, max: DVec3) -> Medium {
     Medium {
@@ -163,4 +168,43 @@ fn sixteen_times_the_boxes_do_not_cost_two_hundred_times_as_much() {
     let (few, many) = (file(500), file(8000));
     let ratio = load(&many).as_secs_f64() / load(&few).as_secs_f64();
     assert!(ratio < 80.0, "loading: {ratio}");
+}
+
+/// One box of haze or as many slices of it: the picture is the same on a GPU too, by passes or, where there are many, by the
+/// reference, and the plan says which.
+#[test]
+fn slices_of_a_box_make_its_picture_on_every_backend() {
+    if !common::gpu("slices_of_a_box_make_its_picture_on_every_backend") {
+        return;
+    }
+    let slats = views::slats(1.0);
+    let Shape::Box { min, max } = slats.scene.media[0].shape else {
+        unreachable!("its fog fills a box");
+    };
+    let picture = |count: u32| {
+        let mut scene = slats.scene.clone();
+        let step = (max.z - min.z) / f64::from(count);
+        let whole = scene.media.remove(0);
+        scene.media.extend((0..count).map(|i| Medium {
+            shape: Shape::Box {
+                min: DVec3::new(min.x, min.y, min.z + step * f64::from(i)),
+                max: DVec3::new(max.x, max.y, min.z + step * f64::from(i + 1)),
+            },
+            ..whole.clone()
+        }));
+        let conditions = build::conditions(scene, slats.camera, [32, 24]);
+        let plan = shafts::plan(&conditions, Method::Rectified, Quality::Preview, &[]);
+        let step = plan.running().find(|step| step.effect.method.is_some());
+        let step = step.expect("there is haze");
+        let by_reference = step.is_by_reference(&conditions);
+        assert_eq!(by_reference, count > 16);
+        assert_eq!(by_reference, step.decision.reason.contains("16 media"));
+        shafts::render(&plan).frame
+    };
+    let truth = picture(1);
+    for count in [2, 16, 17, 64] {
+        let (rmse, _) = shafts::error(&picture(count), &truth);
+        eprintln!("{count} slices: {rmse:.1e}");
+        assert!(rmse < 2e-3, "{count}: {rmse}");
+    }
 }

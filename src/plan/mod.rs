@@ -85,17 +85,30 @@ pub struct Step {
 }
 
 impl Step {
-    /// Whether the reference does it on every backend: it has no passes, or passes that read shadow maps, which hold one depth, where
-    /// surfaces let a part of the light through.
+    /// Whether the reference does it on every backend: it has no passes, or the scene holds what they are no match for.
     pub fn is_by_reference(&self, conditions: &Conditions) -> bool {
-        self.effect.passes.is_empty() || left_to_reference(self.effect, conditions)
+        self.effect.passes.is_empty() || left_to_reference(self.effect, conditions).is_some()
     }
 }
 
-/// Whether an effect has passes, but none that know of surfaces that let a part of the light through.
-fn left_to_reference(effect: &Effect, conditions: &Conditions) -> bool {
-    let reads_maps = |pass: &Pass| matches!(pass.when, When::EachBeam(_));
-    conditions.geometry.has_veils() && effect.passes.iter().any(reads_maps)
+/// The most media whose light shaders integrate. Each bends the light of all others, so that work grows with the square; some drivers
+/// end a shader's loops after 65 535 turns, and light is missing then.
+const MOST_MEDIA: usize = 16;
+
+/// Why an effect that has passes is left to its reference, if it is.
+fn left_to_reference(effect: &Effect, conditions: &Conditions) -> Option<&'static str> {
+    let for_beams = |pass: &Pass| matches!(pass.when, When::EachBeam(_));
+    if !effect.passes.iter().any(for_beams) {
+        return None;
+    }
+    // Shadow maps hold one depth.
+    if conditions.geometry.has_veils() {
+        return Some("surfaces let a part of the light through");
+    }
+    let in_air =
+        effect.writes.contains(&Field::InscatterSun) || effect.alters.contains(&Field::Background);
+    let many = conditions.air.media.len() > MOST_MEDIA;
+    (in_air && many).then_some("there are more than 16 media")
 }
 
 /// Which effects are run, in their order.
@@ -190,9 +203,10 @@ impl<'c> Plan<'c> {
                 decision.reason = format!("forced by --force; {}", decision.reason);
                 decision.run = true;
             }
-            if decision.run && left_to_reference(effect, conditions) {
-                decision.reason +=
-                    "; by the reference on every backend, as surfaces let light through";
+            if let Some(why) = left_to_reference(effect, conditions)
+                && decision.run
+            {
+                decision.reason += &format!("; by the reference on every backend, as {why}");
             }
             if let Some(reason) = unserved(effect, &steps)
                 && decision.run
