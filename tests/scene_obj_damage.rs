@@ -171,18 +171,6 @@ fn what_lies_in_one_place_takes_no_square_of_time() {
             growth(|n| format!("{corners}{}", "f 1 2 3\n".repeat(n)), 15_000),
         ),
         (
-            "triangles within a rounding",
-            growth(
-                |n| {
-                    let near: String = (0..n)
-                        .map(|i| format!("v 0 0 {}\nf -1 2 3\n", 1.0 + i as f64 * f64::EPSILON))
-                        .collect();
-                    format!("{corners}{near}")
-                },
-                15_000,
-            ),
-        ),
-        (
             "corners without order",
             growth(
                 |n| {
@@ -202,6 +190,23 @@ fn what_lies_in_one_place_takes_no_square_of_time() {
             "{what}: four times as much takes {times:.1} times"
         );
     }
+}
+
+#[test]
+fn a_tree_of_boxes_that_are_all_the_same_has_an_end() {
+    let near: String = (0..60_000)
+        .map(|i| format!("v 0 0 {}\nf -1 2 3\n", 1.0 + f64::from(i) * f64::EPSILON))
+        .collect();
+    let text = format!("v 0 0 0\nv 1 0 0\nv 1 1 0\n{near}");
+    let scene = from_bytes("x/none.obj".as_ref(), text.as_bytes()).expect("it loads");
+    let started = Instant::now();
+    assert_eq!(Geometry::new(&scene).triangle_count(), 60_000);
+    // By the square of their number it was minutes.
+    assert!(
+        started.elapsed() < Duration::from_secs(10),
+        "{:?}",
+        started.elapsed()
+    );
 }
 
 #[test]
