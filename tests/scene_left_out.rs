@@ -474,6 +474,6 @@ fn names_are_short_and_without_control_characters() {
 fn a_node_so_far_away_that_triangles_vanish_is_refused() {
     let mut file = Gltf::quad();
     file.json["nodes"][0]["translation"] = json!([1e20, 0, 0]);
-    let error = file.load().err().expect("it is too far away").to_string();
+    let error = file.load().expect_err("it is too far away").to_string();
     assert!(error.contains("1e12 m from the origin"), "{error}");
 }

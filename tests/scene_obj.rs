@@ -443,7 +443,7 @@ fn vertices_beyond_what_numbers_tell_apart_are_refused() {
     let text = |far: f64| format!("v 0 0 0\nv {far} 0 0\nv 0 {far} 0\nf 1 2 3\n");
     let load = |far| tyndall::scene::from_bytes("x/none.obj".as_ref(), text(far).as_bytes());
     assert!(load(1e12).is_ok());
-    let error = load(1e20).err().expect("it is too far away").to_string();
+    let error = load(1e20).expect_err("it is too far away").to_string();
     assert!(error.contains("1e12 m from the origin"), "{error}");
     // A vertex that no triangle has stands nowhere.
     let spare = format!("{}v 1e20 0 0\n", text(1.0));
