@@ -288,3 +288,192 @@ fn what_nobody_knows_is_named_in_every_object() {
         }
     }
 }
+
+/// A change to the example, and what a warning then says.
+type Change = (&'static str, fn(&mut Gltf), &'static str);
+
+/// What no property alone tells: where things stand, and whether anything uses them.
+const CHANGES: [Change; 17] = [
+    (
+        "a mesh of another scene",
+        |file| {
+            push(file, "nodes", json!({"mesh": 1}));
+            push(file, "scenes", json!({"nodes": [8]}));
+        },
+        "mesh of a node in a scene that is not shown (1)",
+    ),
+    (
+        "a mesh below a node of no scene",
+        |file| {
+            push(file, "nodes", json!({"mesh": 1}));
+            push(file, "nodes", json!({"children": [8]}));
+        },
+        "mesh of a node that is in no scene (1)",
+    ),
+    (
+        "a camera of no scene",
+        |file| push(file, "nodes", json!({"camera": 1})),
+        "camera of a node that is in no scene (1)",
+    ),
+    (
+        "a lamp of no scene",
+        |file| {
+            let lamp = json!({"extensions": {"KHR_lights_punctual": {"light": 0}}});
+            push(file, "nodes", lamp);
+        },
+        "lamp of a node that is in no scene (1)",
+    ),
+    (
+        "a mesh of nobody",
+        |file| {
+            let mesh = file.json["meshes"][1].clone();
+            push(file, "meshes", mesh);
+        },
+        "mesh that no node uses (1)",
+    ),
+    (
+        "a camera of nobody",
+        |file| push(file, "cameras", json!({"perspective": {"yfov": 1}})),
+        "camera that no node uses (1)",
+    ),
+    (
+        "a lamp of nobody",
+        |file| {
+            let lights = &mut file.json["extensions"]["KHR_lights_punctual"]["lights"];
+            let lights = lights.as_array_mut().expect("a list");
+            lights.push(json!({"type": "point"}));
+        },
+        "lamp that no node uses (1)",
+    ),
+    (
+        "a skin of nobody",
+        |file| push(file, "skins", json!({"joints": [2]})),
+        "skin that no node uses (1)",
+    ),
+    (
+        "a skin without a mesh",
+        |file| file.json["nodes"][7]["skin"] = json!(0),
+        "skin of a node without a mesh (1)",
+    ),
+    (
+        "a texture of nobody",
+        |file| push(file, "textures", json!({"source": 0})),
+        "texture that no material uses (1)",
+    ),
+    (
+        "a picture of nobody",
+        |file| push(file, "images", json!({"bufferView": 0})),
+        "picture that no texture uses (1)",
+    ),
+    (
+        "a matrix and more",
+        |file| file.json["nodes"][4]["translation"] = json!([1, 1, 1]),
+        "translation, rotation and scale of a node that has a matrix (1)",
+    ),
+    (
+        "a matrix that projects",
+        |file| file.json["nodes"][4]["matrix"][3] = json!(0.5),
+        "last row of a node's matrix that is not 0 0 0 1 (1)",
+    ),
+    (
+        "a rotation of another length",
+        |file| file.json["nodes"][3]["rotation"] = json!([0, 1.2, 0, 1.6]),
+        "length of a rotation that is not 1 (1)",
+    ),
+    (
+        "an unknown wrapping",
+        |file| file.json["samplers"][0]["wrapS"] = json!(7),
+        "wrapS or wrapT that glTF 2.0 does not know, taken as REPEAT (1)",
+    ),
+    (
+        "an unknown filter",
+        |file| file.json["samplers"][0]["magFilter"] = json!(7),
+        "smooth texture filter (1)",
+    ),
+    (
+        "joints without a skin",
+        |file| {
+            drop(
+                file.json["nodes"][1]
+                    .as_object_mut()
+                    .expect("it")
+                    .remove("skin"),
+            )
+        },
+        "joints and weights of a mesh whose node has no skin (1)",
+    ),
+];
+
+fn push(file: &mut Gltf, list: &str, entry: Value) {
+    file.json[list].as_array_mut().expect("a list").push(entry);
+}
+
+#[test]
+fn what_nothing_shows_is_named() {
+    for (what, change, says) in CHANGES {
+        let mut file = Gltf::rich();
+        change(&mut file);
+        let scene = file.load().unwrap_or_else(|e| panic!("{what}: {e}"));
+        let mut warnings = scene.warnings.iter();
+        let said = warnings.any(|w| w.message().contains(says));
+        assert!(said, "{what}: {:?}", scene.warnings);
+    }
+    // Of what is left out the scene stays the same.
+    let plain = seen(&Gltf::rich().silent());
+    for (what, change, _) in CHANGES {
+        let mut file = Gltf::rich();
+        change(&mut file);
+        let same = seen(&file.load().expect("it loads")) == plain;
+        let changes = ["an unknown wrapping", "joints without a skin"];
+        assert_eq!(same, !changes.contains(&what), "{what}");
+    }
+}
+
+#[test]
+fn normals_without_a_length_are_named() {
+    let mut file = Gltf::quad();
+    let normals = file.floats(
+        "VEC3",
+        &[[0.0; 3], [0.0, 0.6, 0.8], [0.0; 3], [0.0, 0.6, 0.8]].concat(),
+    );
+    file.primitive()["attributes"]["NORMAL"] = json!(normals);
+    let warnings = file.load().expect("it loads").warnings;
+    let said = |w: &tyndall::Warning| {
+        w.message()
+            .contains("NORMAL without a length, for which stands the triangle's own (2)")
+    };
+    assert!(warnings.iter().any(said), "{warnings:?}");
+}
+
+#[test]
+fn names_are_short_and_without_control_characters() {
+    let mut file = Gltf::rich();
+    let odd = format!("a\u{1b}[31m\nb{}", "x".repeat(1000));
+    for name in [
+        "/nodes/4/name",
+        "/materials/0/name",
+        "/extensions/KHR_lights_punctual/lights/0/name",
+    ] {
+        *file.json.pointer_mut(name).expect("it is there") = json!(odd);
+    }
+    let scene = file.silent();
+    for name in [
+        &scene.cameras[0].name,
+        &scene.materials[0].name,
+        &scene.lights[0].name,
+    ] {
+        assert!(
+            name.starts_with("a [31m b") && name.chars().count() < 70,
+            "{name:?}"
+        );
+        assert!(!name.contains(char::is_control), "{name:?}");
+    }
+}
+
+#[test]
+fn a_node_so_far_away_that_triangles_vanish_is_refused() {
+    let mut file = Gltf::quad();
+    file.json["nodes"][0]["translation"] = json!([1e20, 0, 0]);
+    let error = file.load().expect_err("it is too far away").to_string();
+    assert!(error.contains("1e12 m from the origin"), "{error}");
+}

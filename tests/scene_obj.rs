@@ -428,3 +428,24 @@ fn what_is_not_read_is_named() {
     let expected = "m.mtl: surfaces are Lambertian|Ks (2)|Ke (1)|map_Ka (1)|map_Ks (1)|map_Bump (1)|bump (1)|norm (1)|disp (1)|decal (1)|refl (1)|map_Pr (1)|Pm (1)|illum 3 and above (1)|my_key (1)";
     says(&scene, &[expected]);
 }
+
+#[test]
+fn a_normal_without_a_length_is_said() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 1//1 2//1 3//1\n";
+    let scene =
+        tyndall::scene::from_bytes("x/none.obj".as_ref(), text.as_bytes()).expect("it loads");
+    let said = |w: &tyndall::Warning| w.message().contains("a normal without a length");
+    assert!(scene.warnings.iter().any(said), "{:?}", scene.warnings);
+}
+
+#[test]
+fn vertices_beyond_what_numbers_tell_apart_are_refused() {
+    let text = |far: f64| format!("v 0 0 0\nv {far} 0 0\nv 0 {far} 0\nf 1 2 3\n");
+    let load = |far| tyndall::scene::from_bytes("x/none.obj".as_ref(), text(far).as_bytes());
+    assert!(load(1e12).is_ok());
+    let error = load(1e20).expect_err("it is too far away").to_string();
+    assert!(error.contains("1e12 m from the origin"), "{error}");
+    // A vertex that no triangle has stands nowhere.
+    let spare = format!("{}v 1e20 0 0\n", text(1.0));
+    assert!(tyndall::scene::from_bytes("x/none.obj".as_ref(), spare.as_bytes()).is_ok());
+}

@@ -6,7 +6,7 @@ use common::obj::*;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
-use tyndall::scene::{Scene, from_bytes};
+use tyndall::scene::{Geometry, Scene, from_bytes};
 
 #[test]
 fn time_and_memory_grow_with_the_file() {
@@ -140,4 +140,86 @@ proptest! {
             at += count;
         }
     }
+}
+
+/// How much longer four times as much takes, from reading to the tree that rays search.
+fn growth(text: impl Fn(usize) -> String, count: usize) -> f64 {
+    let seconds = |count: usize| {
+        let text = text(count);
+        let started = Instant::now();
+        if let Ok(scene) = from_bytes("x/none.obj".as_ref(), text.as_bytes()) {
+            let geometry = Geometry::new(&scene);
+            assert!(geometry.triangle_count() <= scene.mesh.triangles.len());
+        }
+        started.elapsed().as_secs_f64()
+    };
+    let short = seconds(count);
+    // Where nothing is slow, clocks tell nothing.
+    seconds(4 * count) / short.max(0.05)
+}
+
+#[test]
+fn what_lies_in_one_place_takes_no_square_of_time() {
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 1\n";
+    let grown = [
+        (
+            "corners again and again",
+            growth(|n| format!("{corners}f{}\n", " 1 2 3".repeat(n)), 16_000),
+        ),
+        (
+            "one triangle again and again",
+            growth(|n| format!("{corners}{}", "f 1 2 3\n".repeat(n)), 15_000),
+        ),
+        (
+            "corners without order",
+            growth(
+                |n| {
+                    let points: String = (0..n)
+                        .map(|i| format!("v {} {} 0\n", i * 7919 % n, i * 104_729 % n))
+                        .collect();
+                    let line: String = (1..=n).map(|i| format!(" {i}")).collect();
+                    format!("{points}f{line}\n")
+                },
+                24_000,
+            ),
+        ),
+    ];
+    for (what, times) in grown {
+        assert!(
+            times < 8.0,
+            "{what}: four times as much takes {times:.1} times"
+        );
+    }
+}
+
+#[test]
+fn a_tree_of_boxes_that_are_all_the_same_has_an_end() {
+    let near: String = (0..60_000)
+        .map(|i| format!("v 0 0 {}\nf -1 2 3\n", 1.0 + f64::from(i) * f64::EPSILON))
+        .collect();
+    let text = format!("v 0 0 0\nv 1 0 0\nv 1 1 0\n{near}");
+    let scene = from_bytes("x/none.obj".as_ref(), text.as_bytes()).expect("it loads");
+    let started = Instant::now();
+    assert_eq!(Geometry::new(&scene).triangle_count(), 60_000);
+    // By the square of their number it was minutes.
+    assert!(
+        started.elapsed() < Duration::from_secs(10),
+        "{:?}",
+        started.elapsed()
+    );
+}
+
+#[test]
+fn a_triangle_that_is_there_twice_stops_light_once() {
+    let once = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\nf 1 2 3\nf 1 2 4\n";
+    let kept = |text: &str| {
+        let scene = from_bytes("x/none.obj".as_ref(), text.as_bytes()).expect("it loads");
+        (
+            scene.mesh.triangles.len(),
+            Geometry::new(&scene).triangle_count(),
+        )
+    };
+    assert_eq!(kept(once), (2, 2));
+    // Turned and mirrored, it covers the same points.
+    assert_eq!(kept(&format!("{once}f 2 3 1\nf 3 2 1\n")), (4, 2));
 }

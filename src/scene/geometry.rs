@@ -113,8 +113,8 @@ impl Geometry {
             let places = triangle
                 .vertices
                 .map(|v| scene.mesh.positions[v as usize] - origin);
-            // A pane whose sides are drawn one upon the other is one pane.
-            let again = opacity.is_veil() && !twice.insert((triangle.material, same(places)));
+            // A pane whose sides are drawn one upon the other is one pane; of whole surfaces one hides the others.
+            let again = opacity.least.is_none() && !twice.insert((triangle.material, same(places)));
             if opacity.share > 0.0 && !again {
                 corners.push(places);
                 scene_triangle.push(index);
@@ -125,14 +125,15 @@ impl Geometry {
             _ => 1.0,
         };
         let margin = (4.0 * f64::from(f32::EPSILON) * extent * scale) as f32;
-        let inflate = |triangle: &[DVec3; 3]| {
+        let inflate = |(index, triangle): (usize, &[DVec3; 3])| {
             let [a, b, c] = triangle.map(|p| (scale * p).as_vec3a());
             Inflated(Aabb {
-                min: a.min(b).min(c) - margin,
-                max: a.max(b).max(c) + margin,
+                min: a.min(b).min(c) - margin * uneven(2 * index),
+                max: a.max(b).max(c) + margin * uneven(2 * index + 1),
             })
         };
-        let boxes = |corners: &[[DVec3; 3]]| corners.iter().map(inflate).collect::<Vec<_>>();
+        let boxes =
+            |corners: &[[DVec3; 3]]| corners.iter().enumerate().map(inflate).collect::<Vec<_>>();
         let mut time = Duration::default();
         let planes = build_bvh2(&boxes(&corners), BvhBuildParams::medium_build(), &mut time);
         // In the order of the leaves, so that what is visited together lies together in memory.
@@ -393,6 +394,19 @@ fn same(mut corners: [DVec3; 3]) -> [[u64; 3]; 3] {
     let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
     corners.sort_unstable_by_key(|p| bits(*p));
     corners.map(bits)
+}
+
+/// Three factors of 1 to 2, others for each number. Boxes that are all the same would be paired one after another in each pass
+/// over all of them, which takes the square of their number in time.
+fn uneven(number: usize) -> Vec3A {
+    let mut bits = number as u64;
+    Vec3A::from_array(std::array::from_fn(|_| {
+        // SplitMix64 (Steele, Lea & Flood 2014).
+        bits = bits.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        1.0 + ((mixed ^ (mixed >> 31)) >> 40) as f32 / (1 << 24) as f32
+    }))
 }
 
 /// Which of the listed triangles have holes (from 1, 0 for none; empty where none has any), those, and their alpha maps.

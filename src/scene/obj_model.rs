@@ -190,7 +190,16 @@ impl Model {
     fn normal(&mut self, line: &Line) -> Result<()> {
         let problem = "a normal needs three finite numbers; left out";
         let normal = match self.numbers::<3>(line, 3, problem) {
-            Some((n, _)) => DVec3::from_array(n),
+            Some((n, _)) => {
+                let normal = DVec3::from_array(n);
+                if normal.normalize_or_zero() == DVec3::ZERO {
+                    self.fault(
+                        "a normal without a length; the face has its own there",
+                        line,
+                    );
+                }
+                normal
+            }
             None => DVec3::NAN,
         };
         keep(&mut self.normals, normal)

@@ -31,6 +31,9 @@ impl Placement {
     }
 }
 
+/// The greatest coordinate of a vertex [m], where f64 still tells tenths of a millimetre apart; triangles far beyond vanish.
+const FARTHEST: f64 = 1e12;
+
 impl Scene {
     /// Moves everything that came with the mesh: scales it, turns Z up into Y up, then adds `origin` [m], in f64.
     ///
@@ -69,6 +72,13 @@ impl Scene {
             return Err("it makes the mesh larger than numbers can be".into());
         }
         let open = [placement.scale.is_none(), placement.up.is_none()];
+        let mut used = self.mesh.triangles.iter().flat_map(|t| t.vertices);
+        let farthest = |v: u32| self.mesh.positions[v as usize].abs().max_element();
+        if used.any(|v| farthest(v) > FARTHEST) {
+            return Err(format!(
+                "{file}: with it, vertices would stand more than {FARTHEST:e} m from the origin"
+            ));
+        }
         let hints = hints::of(self, file, open, origin);
         self.warnings.extend(hints);
         Ok(())

@@ -105,7 +105,7 @@ impl Outline {
             dent_count: 0,
             axis: usize::from(size.y > size.x),
             // Enough for any outline of a hundred corners, and for those that buildings and maps have.
-            budget: 10_000 + 1000 * count,
+            budget: 10_000 + 100 * count,
         };
         outline.dented = (0..count).map(|i| !outline.turns_left(i)).collect();
         outline.dents = (0..count)

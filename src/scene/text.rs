@@ -146,13 +146,17 @@ fn trimmed(text: &[u8]) -> &[u8] {
 
 /// A text of others as messages show it: short, and without control characters.
 pub(super) fn shortened(text: &str) -> String {
-    const MOST: usize = 60;
+    cut(text, 60)
+}
+
+/// The first `most` characters of a text, without control characters.
+pub(super) fn cut(text: &str, most: usize) -> String {
     let mut shown: String = text
         .chars()
-        .take(MOST)
+        .take(most)
         .map(|c| if c.is_control() { ' ' } else { c })
         .collect();
-    if text.chars().nth(MOST).is_some() {
+    if text.chars().nth(most).is_some() {
         shown.push_str("...");
     }
     shown

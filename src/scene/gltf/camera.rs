@@ -2,8 +2,9 @@
 
 use super::container::Gltf;
 use super::document::{CameraEntry, Node};
-use super::notes::{Notes, number, shown};
+use super::notes::{Notes, number};
 use crate::error::Result;
+use crate::scene::text::shortened;
 use crate::scene::{Camera, NamedCamera, Projection};
 use crate::warning::Warning;
 use glam::{DAffine3, DVec2, DVec3};
@@ -29,7 +30,7 @@ impl Cameras {
         match camera(entry, to_scene) {
             Ok(camera) => self.0.push(NamedCamera {
                 name: name
-                    .cloned()
+                    .map(|name| shortened(name))
                     .unwrap_or_else(|| format!("camera {}", self.0.len())),
                 camera,
             }),
@@ -50,7 +51,7 @@ impl Cameras {
         for (name, count) in counts.into_iter().filter(|&(_, count)| count > 1) {
             notes.warn(Warning::SameCameraName {
                 file: gltf.path.display().to_string(),
-                name: shown(name),
+                name: name.to_owned(),
                 count,
             });
         }

@@ -49,6 +49,7 @@ pub(super) fn read(
         if !(rotation.is_finite() && rotation.length_squared() > 0.0) {
             return Err(gltf.error(by, format!("instance {i} has no rotation"), DAMAGED));
         }
+        notes.leave_out_length(rotation);
         instances.push(DAffine3::from_scale_rotation_translation(
             scales.as_ref().map_or(DVec3::ONE, |all| all[i]),
             rotation.normalize(),

@@ -5,11 +5,12 @@ use super::document::{Light, LightRef, Lights, Node};
 use super::material::extension;
 use super::notes::{Notes, shown};
 use crate::error::Result;
+use crate::scene::text::shortened;
 use crate::scene::{PunctualKind, PunctualLight};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::FRAC_PI_4;
 
-const NAME: &str = "KHR_lights_punctual";
+pub(super) const NAME: &str = "KHR_lights_punctual";
 
 /// The lamps that a file describes, whether a node has them or not.
 pub(super) fn read(gltf: &Gltf) -> Result<Vec<Light>> {
@@ -34,7 +35,9 @@ pub(super) fn of_node(
         notes.leave_out("range of a lamp");
     }
     let name = node.name.as_ref().or(entry.name.as_ref());
-    let name = name.cloned().unwrap_or_else(|| format!("light {index}"));
+    let name = name
+        .map(|name| shortened(name))
+        .unwrap_or_else(|| format!("light {index}"));
     let lamp = lamp(entry, name, to_scene);
     Ok(lamp
         .map_err(|problem| {

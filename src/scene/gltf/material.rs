@@ -5,6 +5,7 @@ use super::document::{MaterialEntry, SpecularGlossiness, TextureRef, TextureTran
 use super::notes::{Notes, number, shown};
 use crate::error::Result;
 use crate::scene::assembly::{decode_image, most_texels};
+use crate::scene::text::shortened;
 use crate::scene::{AlphaMode, Material, Texture, Wrap};
 use crate::warning::Warning;
 use glam::{DVec2, DVec3};
@@ -114,7 +115,7 @@ impl Reader<'_, '_> {
     ) -> Result<(Material, Option<TextureUse>)> {
         let gltf = self.gltf;
         let place = match &entry.name {
-            Some(name) => format!("materials[{i}] ({})", shown(name)),
+            Some(name) => format!("materials[{i}] ({})", shortened(name)),
             None => format!("materials[{i}]"),
         };
         let pbr = &entry.pbr_metallic_roughness;
@@ -209,7 +210,8 @@ impl Reader<'_, '_> {
         let material = Material {
             name: entry
                 .name
-                .clone()
+                .as_ref()
+                .map(|name| shortened(name))
                 .unwrap_or_else(|| format!("material {i}")),
             base_color: DVec3::new(r, g, b),
             alpha,
@@ -266,17 +268,21 @@ impl Reader<'_, '_> {
         let by = format!("{by}, base colour texture");
         let entry = gltf.get(&gltf.json.textures, "textures", index, by)?;
         let place = format!("textures[{index}]");
-        let wrap = |mode: Option<u32>| match mode {
-            Some(33_071) => Wrap::Clamp,
-            Some(33_648) => Wrap::Mirror,
-            _ => Wrap::Repeat,
-        };
         let mut wraps = [Wrap::Repeat; 2];
         let mut smooth = false;
         if let Some(sampler) = entry.sampler {
             let sampler = gltf.get(&gltf.json.samplers, "samplers", sampler, &place)?;
-            wraps = [wrap(sampler.wrap_s), wrap(sampler.wrap_t)];
-            smooth = sampler.mag_filter == Some(9729)
+            wraps = [sampler.wrap_s, sampler.wrap_t].map(|mode| match mode {
+                Some(33_071) => Wrap::Clamp,
+                Some(33_648) => Wrap::Mirror,
+                None | Some(10_497) => Wrap::Repeat,
+                Some(_) => {
+                    let what = "wrapS or wrapT that glTF 2.0 does not know, taken as REPEAT";
+                    self.notes.leave_out(what);
+                    Wrap::Repeat
+                }
+            });
+            smooth = sampler.mag_filter.is_some_and(|filter| filter != 9728)
                 || sampler.min_filter.is_some_and(|filter| filter != 9728);
         }
         let Some(source) = entry.source else {

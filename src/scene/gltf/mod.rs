@@ -21,17 +21,19 @@ mod notes;
 mod piece;
 mod skin;
 mod tree;
+mod unused;
 mod uri;
 
 use super::Scene;
 use super::assembly::{Assembly, Piece};
+use super::text::shortened;
 use crate::error::Result;
 use camera::Cameras;
 use container::Gltf;
 use document::Node;
 use glam::DAffine3;
 use material::Materials;
-use notes::{Notes, shown};
+use notes::Notes;
 use skin::Skin;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -43,8 +45,9 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     let mut notes = Notes::default();
     let gltf = Gltf::read(path, bytes, &mut notes)?;
     let materials = Materials::read(&gltf, &mut notes)?;
-    let tree = Tree::read(&gltf)?;
+    let tree = Tree::read(&gltf, &mut notes)?;
     let lights = light::read(&gltf)?;
+    unused::name(&gltf, &tree, &lights, &mut notes);
     let mut scene = Scene::default();
     let mut cameras = Cameras::default();
     let mut meshes = Meshes {
@@ -114,6 +117,10 @@ impl Meshes<'_> {
         let pieces = self.pieces(mesh, node, notes)?;
         for (i, place, piece) in pieces.iter() {
             let full = || gltf.at(place);
+            let attributes = &entry.primitives[*i].attributes;
+            if skin.is_none() && attributes.contains_key("JOINTS_0") {
+                notes.leave_out("joints and weights of a mesh whose node has no skin");
+            }
             if let Some(skin) = &skin {
                 let mut posed = piece.clone();
                 let primitive = &entry.primitives[*i];
@@ -152,7 +159,10 @@ impl Meshes<'_> {
         let gltf = self.gltf;
         let entry = &gltf.json.meshes[mesh];
         let weights = node.weights.as_ref().unwrap_or(&entry.weights);
-        let named = entry.name.as_deref().map(|n| format!(" ({})", shown(n)));
+        let named = entry
+            .name
+            .as_deref()
+            .map(|n| format!(" ({})", shortened(n)));
         let named = named.as_deref().unwrap_or("");
         let mut pieces = Vec::new();
         for (i, primitive) in entry.primitives.iter().enumerate() {

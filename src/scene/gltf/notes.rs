@@ -1,6 +1,8 @@
 //! What a glTF file holds and the scene does not, gathered while it is read.
 
+use crate::scene::text::cut;
 use crate::warning::Warning;
+use glam::DQuat;
 use std::collections::BTreeMap;
 
 /// What is said of a file that is read all the same.
@@ -20,6 +22,20 @@ impl Notes {
     /// Anything else that is left out, or stands for less than it says.
     pub fn leave_out(&mut self, what: impl Into<String>) {
         *self.others.entry(what.into()).or_default() += 1;
+    }
+
+    /// As many things of one kind that are left out; none is nothing to say.
+    pub fn leave_out_all(&mut self, what: &str, count: usize) {
+        if count > 0 {
+            *self.others.entry(what.to_owned()).or_default() += count;
+        }
+    }
+
+    /// A rotation that is not of unit length beyond rounding, and is made so.
+    pub fn leave_out_length(&mut self, rotation: DQuat) {
+        if (rotation.length() - 1.0).abs() > 1e-3 {
+            self.leave_out("length of a rotation that is not 1");
+        }
     }
 
     /// A part of the file that is wrong, and what is there instead.
@@ -54,7 +70,7 @@ impl Notes {
     }
 }
 
-/// A text of the user's for a message: its first words, if it is long.
+/// A text of the user's for a message: its first words, if it is long, without control characters.
 pub(super) fn shown(text: &str) -> String {
     let start = text.trim_start().get(..5).unwrap_or_default();
     // Of a `data:` URI, its kind: the rest is for machines.
@@ -63,10 +79,7 @@ pub(super) fn shown(text: &str) -> String {
     } else {
         80
     };
-    match text.char_indices().nth(most) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
-    }
+    cut(text, most)
 }
 
 /// A number for a message: as it is written, or with an exponent where that would be long.

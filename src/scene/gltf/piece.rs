@@ -84,6 +84,11 @@ pub(super) fn read(
             morph(&mut piece, &moved, weight);
         }
     }
+    let flat = |n: &&DVec3| n.is_finite() && n.normalize_or_zero() == DVec3::ZERO;
+    notes.leave_out_all(
+        "NORMAL without a length, for which stands the triangle's own",
+        piece.normals.iter().filter(flat).count(),
+    );
     if let Some(used) = used {
         piece.uvs.iter_mut().for_each(|uv| *uv = used.apply(*uv));
     }

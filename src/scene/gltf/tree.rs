@@ -3,6 +3,7 @@
 use super::container::Gltf;
 use super::document::{Lod, Node, Visibility};
 use super::material::extension;
+use super::notes::Notes;
 use crate::error::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::BTreeSet;
@@ -21,7 +22,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// Walks the tree from the scene's roots.
-    pub fn read(gltf: &Gltf) -> Result<Tree> {
+    pub fn read(gltf: &Gltf, notes: &mut Notes) -> Result<Tree> {
         let nodes = &gltf.json.nodes;
         let mut parents = vec![None; nodes.len()];
         for (index, node) in nodes.iter().enumerate() {
@@ -54,7 +55,7 @@ impl Tree {
             }
             let above = parent.and_then(|parent| tree.to_scene[parent]);
             tree.to_scene[index] =
-                Some(above.unwrap_or(DAffine3::IDENTITY) * transform(gltf, node, &place)?);
+                Some(above.unwrap_or(DAffine3::IDENTITY) * transform(gltf, node, &place, notes)?);
             let visibility: Option<Visibility> =
                 extension(gltf, &node.extensions, "KHR_node_visibility", &place)?;
             let seen = seen && visibility.and_then(|v| v.visible).unwrap_or(true);
@@ -62,7 +63,7 @@ impl Tree {
             let children = node.children.iter().rev();
             stack.extend(children.map(|&child| (child, Some(index), seen)));
         }
-        tree.beside(gltf);
+        tree.beside(gltf, notes);
         let mut met = BTreeSet::new();
         let meshes = tree
             .nodes
@@ -99,7 +100,7 @@ impl Tree {
     }
 
     /// Finds where the nodes beside the scene stand: skeletons may. One that stands nowhere is an error only if it is needed.
-    fn beside(&mut self, gltf: &Gltf) {
+    fn beside(&mut self, gltf: &Gltf, notes: &mut Notes) {
         let nodes = &gltf.json.nodes;
         let roots = (0..nodes.len()).filter(|&n| self.parents[n].is_none());
         let mut open: Vec<usize> = roots.collect();
@@ -111,7 +112,7 @@ impl Tree {
             }
             if self.to_scene[index].is_none() {
                 let above = self.parents[index].and_then(|parent| self.to_scene[parent]);
-                let own = transform(gltf, node, "").ok();
+                let own = transform(gltf, node, "", notes).ok();
                 self.to_scene[index] = own.map(|own| above.unwrap_or(DAffine3::IDENTITY) * own);
             }
             // Each node once, by the parent that is held to be its own.
@@ -131,16 +132,27 @@ impl Tree {
 }
 
 /// From a node's own axes to those of the node above.
-fn transform(gltf: &Gltf, node: &Node, place: &str) -> Result<DAffine3> {
+fn transform(gltf: &Gltf, node: &Node, place: &str, notes: &mut Notes) -> Result<DAffine3> {
     let local = match node.matrix {
-        Some(m) => DAffine3 {
-            matrix3: DMat3::from_cols(
-                DVec3::new(m[0], m[1], m[2]),
-                DVec3::new(m[4], m[5], m[6]),
-                DVec3::new(m[8], m[9], m[10]),
-            ),
-            translation: DVec3::new(m[12], m[13], m[14]),
-        },
+        Some(m) => {
+            if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
+                notes.leave_out("translation, rotation and scale of a node that has a matrix");
+            }
+            if [m[3], m[7], m[11], m[15] - 1.0]
+                .iter()
+                .any(|x| x.abs() > 1e-3)
+            {
+                notes.leave_out("last row of a node's matrix that is not 0 0 0 1");
+            }
+            DAffine3 {
+                matrix3: DMat3::from_cols(
+                    DVec3::new(m[0], m[1], m[2]),
+                    DVec3::new(m[4], m[5], m[6]),
+                    DVec3::new(m[8], m[9], m[10]),
+                ),
+                translation: DVec3::new(m[12], m[13], m[14]),
+            }
+        }
         None => {
             let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
             if !rotation.is_finite() || rotation.length_squared() == 0.0 {
@@ -150,6 +162,7 @@ fn transform(gltf: &Gltf, node: &Node, place: &str) -> Result<DAffine3> {
                     "export the scene again",
                 ));
             }
+            notes.leave_out_length(rotation);
             DAffine3::from_scale_rotation_translation(
                 node.scale.unwrap_or([1.0; 3]).into(),
                 rotation.normalize(),
