@@ -320,6 +320,11 @@ pub(super) fn load(
                 format!("cannot read {}: {source}", path.display()),
                 "the name is relative to the scene file: check its spelling",
             ),
+            _ if path.with_file_name(mesh).is_dir() => wrong(
+                "mesh",
+                format!("`{mesh}` is a folder, not a file"),
+                "name a glTF, GLB or OBJ file, relative to the scene file",
+            ),
             other => other,
         })?,
         None => Scene::default(),
