@@ -156,7 +156,7 @@ impl Error {
 const DIGITS: usize = 24;
 
 /// A text in which numbers of very many digits are written with an exponent: 1e300 has 301 as it is printed.
-fn with_short_numbers(text: String) -> String {
+pub fn with_short_numbers(text: String) -> String {
     let is_part = |c: char| c.is_ascii_digit() || c == '.';
     let mut short = String::new();
     let mut rest = text.as_str();

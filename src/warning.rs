@@ -205,6 +205,21 @@ pub enum Warning {
         /// Their keys.
         keys: Vec<&'static str>,
     },
+    /// What says where the sun stands, or how to find that, beside a sun that stands in for it.
+    UnusedWithSun {
+        /// What is given and has no effect: `time`, `pressure`.
+        names: Vec<&'static str>,
+    },
+    /// Quantities of a ground that the scene has not.
+    UnusedGround {
+        /// Their keys.
+        keys: Vec<&'static str>,
+    },
+    /// Media that add nothing to any picture.
+    UnusedMedia {
+        /// Their numbers in the file's order, from 1 (clear air is not counted), and why.
+        media: Vec<(usize, &'static str)>,
+    },
     /// A clearness and brightness at which the Perez model's gradation or luminance has the wrong sign.
     PerezFitBreaks,
 }
@@ -302,6 +317,15 @@ impl Warning {
             }
             Warning::UnusedSky { .. } => {
                 Some("name a sky (--sky perez, or model in [sky]), or leave them out")
+            }
+            Warning::UnusedWithSun { .. } => Some(
+                "leave them out, or leave out the sun ([sun], --sun) for that of place and time",
+            ),
+            Warning::UnusedGround { .. } => {
+                Some("leave them out, or let the ground be there (enabled = true)")
+            }
+            Warning::UnusedMedia { .. } => {
+                Some("leave them out, or give a coefficient above 0 and a place above the ground")
             }
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
             Warning::WhollySeeThrough { .. } => {
@@ -482,7 +506,7 @@ impl fmt::Display for Warning {
                 match *direct_normal > 0.0 {
                     true => write!(
                         f,
-                        "; the direct one, {direct_normal} W/m2, is left out"
+                        "; the direct one, {direct_normal:.3e} W/m2, is left out"
                     ),
                     false => Ok(()),
                 }
@@ -496,6 +520,23 @@ impl fmt::Display for Warning {
                 "the sun's illuminance is given and no sky is named, so there is none; not used: {}",
                 keys.join(", ")
             ),
+            Warning::UnusedWithSun { names } => write!(
+                f,
+                "the sun is given, so these have no effect: {}",
+                names.join(", ")
+            ),
+            Warning::UnusedGround { keys } => write!(
+                f,
+                "the scene's ground is not there (enabled = false), so these have no effect: {}",
+                keys.join(", ")
+            ),
+            Warning::UnusedMedia { media } => {
+                let list: Vec<String> = media
+                    .iter()
+                    .map(|(number, why)| format!("medium {number} ({why})"))
+                    .collect();
+                write!(f, "media that add nothing: {}", listed(&list))
+            }
             Warning::PerezFitBreaks => f.write_str(
                 "the Perez fit breaks at this clearness and brightness (b > 0 or negative luminance): b is held at 0, luminance at 0 and above",
             ),

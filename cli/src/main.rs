@@ -19,7 +19,10 @@ mod tell;
 
 use crate::commands::{accuracy, completions, doctor, plan, render, schema, sky, sun};
 use clap::{CommandFactory, Parser, Subcommand};
+use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
+use tyndall::Error;
 
 /// Where the sun stands, what the sky looks like, what light does in the air
 #[derive(Debug, Parser)]
@@ -62,8 +65,22 @@ fn check_values(arguments: &[String]) {
 fn main() -> ExitCode {
     let arguments = std::env::args_os().map(|a| a.to_string_lossy().into_owned());
     check_values(&arguments.collect::<Vec<_>>());
-    let command = Cli::parse().command;
-    machine::run(move || run(command))
+    match Cli::try_parse() {
+        Ok(cli) => machine::run(move || run(cli.command)),
+        Err(said) => print(&said),
+    }
+}
+
+/// Prints what is wrong with the flags, or the help that was asked for, and says whether that went well.
+fn print(said: &clap::Error) -> ExitCode {
+    let printed = said.print().and_then(|()| std::io::stdout().flush());
+    match printed {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            tell::error(&Error::writing(Path::new("standard output"), error));
+            ExitCode::FAILURE
+        }
+        _ => ExitCode::from(u8::try_from(said.exit_code()).unwrap_or(2)),
+    }
 }
 
 fn run(command: Command) -> ExitCode {
@@ -81,7 +98,7 @@ fn run(command: Command) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}\n  help: {}", error.problem(), error.remedy());
+            tell::error(&error);
             ExitCode::from(if error.is_input() { 2 } else { 1 })
         }
     }

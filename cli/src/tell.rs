@@ -2,6 +2,7 @@
 
 use serde_json::json;
 use std::path::PathBuf;
+use tyndall::Error;
 use tyndall::backend::Rendered;
 use tyndall::conditions::Conditions;
 use tyndall::effect::Contribution;
@@ -9,7 +10,26 @@ use tyndall::plan::Plan;
 use tyndall::warning::Warning;
 
 fn line(label: &str, text: impl std::fmt::Display) {
-    eprintln!("{label:<11}{text}");
+    eprintln!("{label:<11}{}", clean(&text.to_string()));
+}
+
+/// A text in one line, without what a terminal would obey: names come out of files of strangers.
+pub fn clean(text: &str) -> String {
+    let obeyed =
+        |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    text.chars()
+        .map(|c| match c {
+            '\t' => ' ',
+            c if obeyed(c) => char::REPLACEMENT_CHARACTER,
+            c => c,
+        })
+        .collect()
+}
+
+/// What went wrong and what to do about it.
+pub fn error(error: &Error) {
+    let (problem, remedy) = (clean(&error.problem()), clean(&error.remedy()));
+    eprintln!("error: {problem}\n  help: {remedy}");
 }
 
 /// Place, time, sun, sky, camera and warnings.

@@ -1,6 +1,6 @@
 //! From a scene and what is asked of it to conditions.
 
-use super::{Conditions, GroundPlane, Receivers, Sun, View, checks, toward};
+use super::{Conditions, GroundPlane, Receivers, Sun, View, checks, toward, unused};
 use crate::ephemeris::civil::{self, Fold, Moment, Reading};
 use crate::ephemeris::{Site, SunPosition, Tier, TimeScale, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
@@ -10,7 +10,7 @@ use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
 use crate::sky::sun::{SunPath, visible_part};
 use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
 use crate::units::{DEG, SUN_DIAMETER};
-use crate::warning::{UnusedLight, Warning};
+use crate::warning::Warning;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -25,6 +25,8 @@ pub struct Request {
     pub camera: CameraChoice,
     /// The ephemeris.
     pub tier: Tier,
+    /// The zone of local times: an IANA name or an offset; absent: the site's.
+    pub timezone: Option<String>,
     /// Which reading of a time that a clock change skips or repeats.
     pub fold: Option<Fold>,
     /// The scale of a Julian date.
@@ -95,21 +97,14 @@ impl Conditions {
             checks::medium(index, medium, height)?;
         }
         scene.air.as_ref().map_or(Ok(()), checks::air)?;
-        if !scene.north_deg.is_finite() {
-            return Err(Error::domain(
-                "north",
-                scene.north_deg,
-                "any finite number of degrees",
-                "give the azimuth that the scene's -Z faces",
-            ));
-        }
+        checks::north(scene.north_deg)?;
         let moment = moment(&scene, request, scene.time.as_deref(), height)?;
         let ground = scene.ground.enabled.then_some(GroundPlane {
             height,
             albedo: DVec3::splat(scene.ground.albedo),
         });
         Ok(Conditions {
-            warnings: warnings(&scene, &geometry, &moment),
+            warnings: warnings(&scene, request, &geometry, &moment),
             geometry,
             view: View {
                 camera,
@@ -143,7 +138,7 @@ impl Conditions {
         }
         let moment = moment(&self.scene, &self.request, Some(time), self.air.ground)?;
         Ok(Conditions {
-            warnings: warnings(&self.scene, &self.geometry, &moment),
+            warnings: warnings(&self.scene, &self.request, &self.geometry, &moment),
             sun: moment.sun,
             sky: moment.sky,
             instant: moment.instant,
@@ -211,19 +206,26 @@ fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> 
 }
 
 /// What is said of the scene, the time and the sky.
-fn warnings(scene: &Scene, geometry: &Geometry, moment: &AtMoment) -> Vec<Warning> {
+fn warnings(
+    scene: &Scene,
+    request: &Request,
+    geometry: &Geometry,
+    moment: &AtMoment,
+) -> Vec<Warning> {
     let mut warnings = scene.warnings.clone();
     warnings.extend(geometry.warnings().iter().cloned());
     if let Some(instant) = &moment.instant {
         warnings.extend(instant.moment.warnings.iter().cloned());
     }
-    match &moment.sky {
-        Some(sky) => warnings.extend(sky.warnings().iter().cloned()),
-        None => warnings.extend(unused_sky(scene)),
+    if let Some(sky) = &moment.sky {
+        warnings.extend(sky.warnings().iter().cloned());
     }
-    if !scene.lights.is_empty() {
-        warnings.push(unused_lights(scene));
-    }
+    warnings.extend(unused::of(
+        scene,
+        request,
+        moment.sky.is_some(),
+        moment.air.ground,
+    ));
     warnings
 }
 
@@ -357,7 +359,7 @@ fn read_instant(
     let moment = civil::resolve_with(
         time,
         &Reading {
-            zone: entry.timezone.as_deref(),
+            zone: request.timezone.as_deref().or(entry.timezone.as_deref()),
             site: Some(&site),
             fold: request.fold,
             scale: request.time_scale,
@@ -404,39 +406,6 @@ fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
         irradiance,
         albedo,
     )
-}
-
-/// The keys of a sky that there is not. Clear air between eye and mountains takes the turbidity.
-fn unused_sky(scene: &Scene) -> Option<Warning> {
-    let entry = &scene.sky;
-    let keys: Vec<&str> = [
-        ("turbidity", entry.turbidity.filter(|_| scene.air.is_none())),
-        ("direct_normal", entry.direct_normal),
-        ("diffuse_horizontal", entry.diffuse_horizontal),
-    ]
-    .into_iter()
-    .filter_map(|(key, value)| value.map(|_| key))
-    .collect();
-    (!keys.is_empty()).then_some(Warning::UnusedSky { keys })
-}
-
-fn unused_lights(scene: &Scene) -> Warning {
-    let lights = scene.lights.iter().map(|light| {
-        let (kind, unit) = match light.kind {
-            PunctualKind::Directional => ("directional", "lx"),
-            PunctualKind::Point => ("point", "cd"),
-            PunctualKind::Spot { .. } => ("spot", "cd"),
-        };
-        UnusedLight {
-            name: light.name.clone(),
-            kind,
-            intensity: light.color.max_element(),
-            unit,
-        }
-    });
-    Warning::UnusedLights {
-        lights: lights.collect(),
-    }
 }
 
 /// The camera, and where it comes from.

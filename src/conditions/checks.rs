@@ -140,17 +140,44 @@ pub(super) fn air(air: &ClearAir) -> Result<()> {
     phase(&air.aerosol_phase, name)
 }
 
+/// Farther from the origin than this, nothing is told apart any more [m].
+const FARTHEST: f64 = 1e9;
+
+/// The least field of view [degrees]: with less, a GPU's directions of neighbouring pixels are one.
+const LEAST_FOV_DEG: f64 = 1e-4;
+
+/// The least and the greatest height of what an orthographic camera sees [m].
+const HEIGHTS: [f64; 2] = [1e-6, 1e9];
+
+/// The greatest lens shift [picture widths and heights].
+const GREATEST_SHIFT: f64 = 100.0;
+
+/// Checks where the scene's -Z faces [degrees].
+pub(super) fn north(degrees: f64) -> Result<()> {
+    if (-360.0..=360.0).contains(&degrees) {
+        return Ok(());
+    }
+    Err(Error::domain(
+        "north",
+        format!("{degrees} degrees"),
+        "-360 to 360 degrees",
+        "give the azimuth that the scene's -Z faces",
+    ))
+}
+
 /// Checks a camera's numbers.
 pub(super) fn camera(camera: &Camera) -> Result<()> {
-    if !camera.eye.is_finite() {
+    let near = |point: DVec3| point.abs().cmple(DVec3::splat(FARTHEST)).all();
+    if !near(camera.eye) {
         return Err(Error::domain(
             "the camera's eye",
-            camera.eye,
-            "finite coordinates",
-            "give --eye X,Y,Z in metres",
+            format!("{} m", camera.eye),
+            "-1e9 to 1e9 m in each coordinate",
+            "give --eye X,Y,Z in metres; a mesh in another unit has its --scale",
         ));
     }
-    if !(camera.forward.is_finite() && camera.forward.length() > 0.0 && camera.up.is_finite()) {
+    let is_direction = |v: DVec3| v.length() > 0.0 && v.length().is_finite();
+    if !is_direction(camera.forward) {
         return Err(Error::domain(
             "the camera's direction",
             camera.forward,
@@ -158,18 +185,45 @@ pub(super) fn camera(camera: &Camera) -> Result<()> {
             "give a --target that is not the eye itself",
         ));
     }
+    if !near(camera.eye + camera.forward) {
+        return Err(Error::domain(
+            "the camera's target",
+            format!("{} m", camera.eye + camera.forward),
+            "-1e9 to 1e9 m in each coordinate",
+            "give --target X,Y,Z in metres, a nearer point in the same direction",
+        ));
+    }
+    if !is_direction(camera.up) {
+        return Err(Error::domain(
+            "the camera's up",
+            camera.up,
+            "a direction",
+            "leave it out, or give one, such as [0, 1, 0]",
+        ));
+    }
+    let shift = camera.shift.abs().max_element();
+    if camera.shift.is_nan() || shift > GREATEST_SHIFT {
+        return Err(Error::domain(
+            "the camera's shift",
+            camera.shift,
+            format!("-{GREATEST_SHIFT} to {GREATEST_SHIFT} picture widths and heights"),
+            "0.5 moves the picture by half its size",
+        ));
+    }
     match camera.projection {
-        Projection::Perspective { fov_y } if !(fov_y > 0.0 && fov_y < PI) => Err(Error::domain(
-            "the camera's fov_y",
-            format!("{} degrees", fov_y / DEG),
-            "above 0 and below 180 degrees",
-            "30 to 70 is usual",
-        )),
-        Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+        Projection::Perspective { fov_y } if !(fov_y >= LEAST_FOV_DEG * DEG && fov_y < PI) => {
+            Err(Error::domain(
+                "the camera's fov_y",
+                format!("{} degrees", fov_y / DEG),
+                format!("{LEAST_FOV_DEG} to below 180 degrees"),
+                "30 to 70 is usual",
+            ))
+        }
+        Projection::Orthographic { height } if !(HEIGHTS[0]..=HEIGHTS[1]).contains(&height) => {
             Err(Error::domain(
                 "the camera's height",
                 format!("{height} m"),
-                "above 0",
+                format!("{:e} to {:e} m", HEIGHTS[0], HEIGHTS[1]),
                 "give the height of what is seen, in metres",
             ))
         }

@@ -8,6 +8,7 @@ mod inputs;
 mod lines;
 mod penumbra;
 mod sun;
+mod unused;
 mod view;
 
 pub use assemble::{CameraChoice, Request, SolarGeometry};

@@ -58,7 +58,7 @@ pub fn check_targets(paths: &[PathBuf]) -> Result<Vec<Format>> {
     let mut formats = Vec::with_capacity(paths.len());
     for (index, path) in paths.iter().enumerate() {
         formats.push(Format::of(path)?);
-        if paths[..index].contains(path) {
+        if paths[..index].iter().any(|other| is_same_file(other, path)) {
             return Err(Error::input(
                 format!("-o {}", path.display()),
                 "the file is named twice",
@@ -68,6 +68,39 @@ pub fn check_targets(paths: &[PathBuf]) -> Result<Vec<Format>> {
         atomic::check(path)?;
     }
     Ok(formats)
+}
+
+/// Refuses to write over what is read, or over what else is written: `path` is given by `flag`, `others` are in use already.
+///
+/// # Errors
+/// [`Error::Input`] when one of `others` is the same file, by whatever name.
+pub fn check_apart(flag: &str, path: &Path, others: &[(PathBuf, &str)]) -> Result<()> {
+    let same = others.iter().find(|(other, _)| is_same_file(other, path));
+    same.map_or(Ok(()), |(_, what)| {
+        Err(Error::input(
+            format!("{flag} {}", path.display()),
+            format!("this is {what}, which would be lost"),
+            "write to another file",
+        ))
+    })
+}
+
+/// Whether two names stand for one file, which need not exist.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        path.canonicalize().or_else(|_| {
+            let folder = match path.parent() {
+                Some(folder) if folder != Path::new("") => folder,
+                _ => Path::new("."),
+            };
+            let name = path.file_name().unwrap_or_default();
+            folder.canonicalize().map(|folder| folder.join(name))
+        })
+    };
+    match (place(a), place(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
 }
 
 /// The colour space of what is written, and the way there from the working space.

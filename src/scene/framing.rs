@@ -33,20 +33,41 @@ impl Camera {
         Camera::look_at(eye, eye + ahead, 60.0 * DEG)
     }
 
-    /// The camera as a block of the scene file.
+    /// The camera as a block of the scene file, its numbers with as many digits as tell eye and target apart.
     pub fn to_toml(&self) -> String {
-        let list = |v: DVec3| format!("[{:.4}, {:.4}, {:.4}]", v.x, v.y, v.z);
+        let target = self.eye + self.forward;
+        let length = self.forward.length();
+        let list = |v: DVec3| {
+            let [x, y, z] = v.to_array().map(|c| number(c, 1e-5 * length));
+            format!("[{x}, {y}, {z}]")
+        };
         let projection = match self.projection {
-            Projection::Perspective { fov_y } => format!("fov_y = {:.4}", fov_y / DEG),
-            Projection::Orthographic { height } => {
-                format!("projection = \"orthographic\"\nheight = {height:.4}")
+            Projection::Perspective { fov_y } => {
+                let fov_y = fov_y / DEG;
+                format!("fov_y = {}", number(fov_y, 1e-5 * fov_y))
             }
+            Projection::Orthographic { height } => format!(
+                "projection = \"orthographic\"\nheight = {}",
+                number(height, 1e-5 * height)
+            ),
             Projection::Panorama => "projection = \"panorama\"".into(),
         };
         format!(
             "[camera]\neye = {}\ntarget = {}\n{projection}\n",
             list(self.eye),
-            list(self.eye + self.forward),
+            list(target),
         )
+    }
+}
+
+/// A number of a TOML file, rounded to the power of ten just below `step` (above 0), without long rows of zeros.
+fn number(value: f64, step: f64) -> String {
+    let size = value.abs().max(step);
+    let digits = (size.log10().floor() - step.log10().floor()).clamp(0.0, 16.0) as usize;
+    let rounded = format!("{value:.digits$e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0.0".into(),
+        1e-4..1e9 => format!("{rounded:?}"),
+        _ => format!("{rounded:e}"),
     }
 }

@@ -311,6 +311,11 @@ pub(super) fn load(
 
     let mut scene = match &file.mesh {
         Some(mesh) => load_mesh(mesh).map_err(|e| match e {
+            _ if mesh.is_empty() || path.with_file_name(mesh).is_dir() => wrong(
+                "mesh",
+                format!("`{mesh}` is a folder, not a file"),
+                "name a glTF, GLB or OBJ file, relative to the scene file",
+            ),
             Error::File {
                 path,
                 source,

@@ -33,7 +33,7 @@ pub use model::{DEFAULT_TURBIDITY, Irradiance, Model};
 pub use sun::{SunAt, SunLight, SunPath};
 pub(crate) use table::constants;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, with_short_numbers};
 use crate::units::DEG;
 use crate::warning::Warning;
 use day::{Day, Position};
@@ -169,6 +169,7 @@ impl Sky {
             Model::Cie { kind, .. } => format!("CIE S 011 sky, type {kind}"),
             Model::Uniform { luminance } => format!("uniform white sky, {luminance} cd/m2"),
         };
+        let model = with_short_numbers(model);
         match self.elevation_true {
             _ if matches!(self.model, Model::Uniform { .. }) => model,
             e if e >= twilight::BEGIN => model,

@@ -162,6 +162,7 @@ impl SceneArgs {
             samples: self.samples,
             camera: self.camera_choice(&mut scene)?,
             tier: self.ephemeris.tier,
+            timezone: self.time.tz.clone(),
             fold: self.time.fold,
             time_scale: self.time.time_scale,
             delta_t: self.time.delta_t,
@@ -171,9 +172,27 @@ impl SceneArgs {
         Conditions::new(scene, &request)
     }
 
-    /// Flags win over what the scene file says; a place or a time on the command line also wins over a sun of the file.
+    /// The files that the scene is read from, as far as their names are known, in words for messages.
+    pub fn files(&self, scene: &Scene) -> Vec<(PathBuf, &'static str)> {
+        let Some(path) = &self.scene else {
+            return Vec::new();
+        };
+        let pictures = scene.textures.iter().map(|texture| {
+            let file = path.with_file_name(texture.name.replace('\\', "/"));
+            (file, "a picture of the scene")
+        });
+        std::iter::once((path.clone(), "the scene"))
+            .chain(pictures)
+            .collect()
+    }
+
+    /// Flags win over what the scene file says: a place or a time on the command line over a sun of the file, and a sun on
+    /// the command line over the file's place and time.
     fn place_and_time(&self, scene: &mut Scene) {
-        if self.sun.is_none() && (self.place.at.is_some() || self.time.time.is_some()) {
+        if self.sun.is_some() {
+            scene.site = None;
+            scene.time = None;
+        } else if self.place.at.is_some() || self.time.time.is_some() {
             scene.sun = None;
         }
         if let Some(site) = &self.place.at {
@@ -183,9 +202,6 @@ impl SceneArgs {
                 elevation: site.elevation(),
                 timezone: None,
             });
-        }
-        if let (Some(zone), Some(site)) = (&self.time.tz, &mut scene.site) {
-            site.timezone = Some(zone.clone());
         }
         if self.time.time.is_some() {
             scene.time.clone_from(&self.time.time);

@@ -11,6 +11,7 @@ use tyndall::Result;
 use tyndall::backend::StepTime;
 use tyndall::backend::reference::{Reference, predict};
 use tyndall::effect::Contribution;
+use tyndall::error::with_short_numbers;
 use tyndall::plan::{Plan, Step};
 
 /// List the effects that a scene calls for, and why not the others
@@ -97,14 +98,14 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         text += &(row[4].clone() + "\n");
     }
     let total: f64 = seconds.iter().map(in_seconds).sum();
-    text += &format!(
+    text += &with_short_numbers(format!(
         "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them at most; left out: what is certain to add less than {} of {:.0} cd/m2\n",
         conditions.view.size[0],
         conditions.view.size[1],
         rayon::current_num_threads(),
         plan.tolerance,
         conditions.typical_luminance(),
-    );
+    ));
     stdout::print(&text)
 }
 

@@ -72,6 +72,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let formats = output::check_targets(&files)?;
     let layers = output::select_layers(&args.layers)?;
     let conditions = args.scene.conditions()?;
+    let mut in_use = args.scene.files(&conditions.scene);
+    for file in &files {
+        output::check_apart("-o", file, &in_use)?;
+    }
+    if let Some(report) = &args.report {
+        in_use.extend(files.iter().map(|file| (file.clone(), "the picture")));
+        output::check_apart("--report", report, &in_use)?;
+    }
     // What is wrong with the flags is said before anything is measured.
     Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);

@@ -178,7 +178,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
                 output::png::write(path, frame.width, frame.height, &bytes)?;
             }
         }
-        eprintln!("wrote      {}", path.display());
+        tell::files(std::slice::from_ref(path));
     }
     Ok(())
 }

@@ -120,7 +120,7 @@ pub fn run(args: &SunArgs) -> Result<()> {
         )?;
         for path in &args.plot {
             drawing.save(path)?;
-            eprintln!("wrote {}", path.display());
+            eprintln!("wrote {}", tell::clean(&path.display().to_string()));
         }
         // A picture was asked for; numbers only where a time was, too.
         if args.time.time.is_none() {

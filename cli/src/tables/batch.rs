@@ -11,6 +11,7 @@ use tyndall::{Error, Result};
 use crate::tables::rows::{Lines, Rows};
 use crate::tables::stdout::{self, Out};
 use crate::tables::stream::{self, Input, LONGEST, Piece, Sink};
+use crate::tell;
 
 /// What a batch reads and adds. Names of columns are read in any case.
 pub struct Batch {
@@ -227,11 +228,12 @@ impl Batch {
                     "rename it",
                 ));
             }
-            eprintln!(
+            let note = format!(
                 "note: {}: the column `{name}` is not read, only passed on; known are {}",
                 String::from(place),
                 quoted(self.known)
             );
+            eprintln!("{}", tell::clean(&note));
         }
         Ok(Header { names, at })
     }
@@ -339,7 +341,7 @@ impl Printer {
         }
         self.out.finish()?;
         if self.rows == 0 {
-            eprintln!("note: {name} has no rows");
+            eprintln!("note: {} has no rows", tell::clean(&name));
         }
         if self.broken > 0 {
             return Err(Error::input(
@@ -369,7 +371,7 @@ impl Sink<Block> for Printer {
             if self.form.strict {
                 return Err(error);
             }
-            eprintln!("error: {error}");
+            eprintln!("error: {}", tell::clean(&error.to_string()));
             self.broken += 1;
         }
         Ok(())
