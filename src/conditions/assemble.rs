@@ -1,8 +1,9 @@
 //! From a scene and what is asked of it to conditions.
 
+use super::request::{CameraChoice, Request};
 use super::{Conditions, GroundPlane, Receivers, Sun, View, checks, toward, unused};
-use crate::ephemeris::civil::{self, Fold, Moment, Reading};
-use crate::ephemeris::{Site, SunPosition, Tier, TimeScale, Weather, sun_position};
+use crate::ephemeris::civil::{self, Moment, Reading};
+use crate::ephemeris::{Site, SunPosition, Tier, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
 use crate::medium::{Air, clear};
 use crate::memory;
@@ -13,45 +14,6 @@ use crate::units::{DEG, SUN_DIAMETER};
 use crate::warning::Warning;
 use glam::DVec3;
 use std::sync::Arc;
-
-/// What is asked of a scene beside what it says itself.
-#[derive(Debug, Clone, Default)]
-pub struct Request {
-    /// Width and height of the picture [pixels]; absent: the scene's, or 960 x 600.
-    pub size: Option<[u32; 2]>,
-    /// Rays through pixels that differ from a neighbour; absent: the scene's, or 1.
-    pub samples: Option<u32>,
-    /// The camera.
-    pub camera: CameraChoice,
-    /// The ephemeris.
-    pub tier: Tier,
-    /// The zone of local times: an IANA name or an offset; absent: the site's.
-    pub timezone: Option<String>,
-    /// Which reading of a time that a clock change skips or repeats.
-    pub fold: Option<Fold>,
-    /// The scale of a Julian date.
-    pub time_scale: TimeScale,
-    /// TT - UT1 [s]; absent: tabulated.
-    pub delta_t: Option<f64>,
-    /// Air pressure at the site [hPa]; absent: the standard atmosphere's.
-    pub pressure_hpa: Option<f64>,
-    /// Air temperature at the site [degrees Celsius]; absent: the standard atmosphere's.
-    pub temperature_c: Option<f64>,
-}
-
-/// Which camera.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub enum CameraChoice {
-    /// The scene file's own, else the mesh's first, else one that frames everything.
-    #[default]
-    Scene,
-    /// One of the mesh's, by name.
-    Named(String),
-    /// One inside the scene's bounds.
-    Inside,
-    /// This one.
-    Given(Camera),
-}
 
 /// Place, time, and where that puts the sun.
 #[derive(Debug, Clone)]

@@ -7,12 +7,14 @@ mod checks;
 mod inputs;
 mod lines;
 mod penumbra;
+mod request;
 mod sun;
 mod unused;
 mod view;
 
-pub use assemble::{CameraChoice, Request, SolarGeometry};
+pub use assemble::SolarGeometry;
 pub use inputs::{Input, Snapshot};
+pub use request::{CameraChoice, Request};
 pub use sun::Sun;
 pub use view::{Receiver, Receivers, View};
 

@@ -1,6 +1,6 @@
 //! What is said of a scene and has no effect.
 
-use super::Request;
+use super::request::Request;
 use crate::ephemeris::{Tier, TimeScale};
 use crate::medium::{Medium, Shape};
 use crate::scene::{Ground, PunctualKind, Scene};
