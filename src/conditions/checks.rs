@@ -211,7 +211,7 @@ pub(super) fn camera(camera: &Camera) -> Result<()> {
         ));
     }
     match camera.projection {
-        Projection::Perspective { fov_y } if !(fov_y >= LEAST_FOV_DEG * DEG && fov_y < PI) => {
+        Projection::Perspective { fov_y } if !(LEAST_FOV_DEG * DEG..PI).contains(&fov_y) => {
             Err(Error::domain(
                 "the camera's fov_y",
                 format!("{} degrees", fov_y / DEG),

@@ -341,7 +341,7 @@ impl Printer {
         }
         self.out.finish()?;
         if self.rows == 0 {
-            eprintln!("note: {} has no rows", tell::clean(&name));
+            eprintln!("note: {} has no rows", tell::clean(name));
         }
         if self.broken > 0 {
             return Err(Error::input(
