@@ -477,7 +477,9 @@ mod tests {
             // What is met by a billionth is met.
             let near = |x: f64| (1e8 * x).round() / 1e8;
             map.solid_parts(line, [0.0, 1.0], |from, to| {
-                parts.push([near(from), near(to)]);
+                if near(from) < near(to) {
+                    parts.push([near(from), near(to)]);
+                }
             });
             parts
         };
@@ -498,7 +500,7 @@ mod tests {
         let two = texture([2, 1], [Wrap::Clamp; 2], |i| [255, 153][i]);
         let found = parts(&two, [spot(0.0, 0.0), spot(1.0, 1.0)]);
         assert_eq!(found.len(), 1);
-        assert!((found[0][0] - 5.0 / 6.0).abs() < 1e-12, "{found:?}");
+        assert!((found[0][0] - 5.0 / 6.0).abs() < 1e-8, "{found:?}");
     }
 
     #[test]

@@ -96,6 +96,13 @@ impl Outline {
         if !size.is_finite() {
             return None;
         }
+        let mut places: Vec<[u64; 2]> = points
+            .iter()
+            .map(|p| p.to_array().map(f64::to_bits))
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        let repeats = 2 * places.len() < count;
         let mut outline = Outline {
             points,
             previous: (0..count).map(|i| (i + count - 1) % count).collect(),
@@ -104,8 +111,9 @@ impl Outline {
             dents: Vec::new(),
             dent_count: 0,
             axis: usize::from(size.y > size.x),
-            // Enough for any outline of a hundred corners, and for those that buildings and maps have.
-            budget: 10_000 + 100 * count,
+            // Enough for any outline of a hundred corners, and for those that buildings and maps have; less for one that keeps coming
+            // back to the same places, which is no outline.
+            budget: 10_000 + if repeats { 30 } else { 1000 } * count,
         };
         outline.dented = (0..count).map(|i| !outline.turns_left(i)).collect();
         outline.dents = (0..count)
