@@ -501,12 +501,15 @@ impl fmt::Display for Warning {
             } => {
                 write!(
                     f,
-                    "measured irradiance with the sun down ({elevation_deg:.1} degrees): the diffuse one sets the sky's illuminance, {illuminance:.3e} lx where a clear sky has {clear:.3e} lx"
+                    "measured irradiance with the sun down ({elevation_deg:.1} degrees): the diffuse one sets the sky's illuminance, {} lx where a clear sky has {} lx",
+                    figure(*illuminance),
+                    figure(*clear)
                 )?;
                 match *direct_normal > 0.0 {
                     true => write!(
                         f,
-                        "; the direct one, {direct_normal:.3e} W/m2, is left out"
+                        "; the direct one, {} W/m2, is left out",
+                        figure(*direct_normal)
                     ),
                     false => Ok(()),
                 }
@@ -590,6 +593,19 @@ fn quoted(names: &[String]) -> String {
 /// What many or one do.
 fn are(n: usize) -> &'static str {
     if n == 1 { "is" } else { "are" }
+}
+
+/// A number of four digits, with an exponent where it is very small or large.
+fn figure(x: f64) -> String {
+    if !(1e-3..1e7).contains(&x) {
+        return format!("{x:.3e}");
+    }
+    let decimals = (3.0 - x.log10().floor()).clamp(0.0, 6.0) as usize;
+    let text = format!("{x:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
 }
 
 /// `1 triangle`, `2 triangles`.
