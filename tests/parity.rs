@@ -16,7 +16,7 @@ use tyndall::effect::{Field, Method};
 use tyndall::frame::Frame;
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{self, Camera, Projection, Scene, SunEntry};
+use tyndall::scene::{self, Camera, Projection, Scene};
 
 const DEG: f64 = PI / 180.0;
 type Settings<'a> = &'a [(&'a str, f64)];
@@ -173,12 +173,7 @@ fn real_scenes(test: &str) -> Vec<(String, Conditions)> {
     ]
     .map(|name| {
         let mut scene = scene::load(&folder.join("scenes").join(name)).expect("the scene is sound");
-        scene.sun = Some(SunEntry {
-            azimuth_deg: 120.0,
-            elevation_deg: 35.0,
-            illuminance: Some(1e5),
-            diameter_deg: Some(0.0),
-        });
+        scene.sun = Some(point_sun(120.0, 35.0));
         let (min, max) = scene.mesh.bounds().expect("it has triangles");
         let size = (max - min).length();
         scene.media = vec![fog(

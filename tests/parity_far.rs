@@ -16,8 +16,8 @@ use tyndall::effect::Field;
 use tyndall::frame::Frame;
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{self, Camera, Projection, Scene, SunEntry, Triangle};
-use views::fog;
+use tyndall::scene::{self, Camera, Projection, Scene, Triangle};
+use views::{fog, point_sun};
 
 const DEG: f64 = PI / 180.0;
 const SIZE: [u32; 2] = [64, 48];
@@ -521,12 +521,7 @@ fn real_scenes_agree_too() {
         "volumetric_fog/VolumetricFogExample.glb",
     ] {
         let mut scene = scene::load(&folder.join("scenes").join(name)).expect("the scene is sound");
-        scene.sun = Some(SunEntry {
-            azimuth_deg: 120.0,
-            elevation_deg: 35.0,
-            illuminance: Some(1e5),
-            diameter_deg: Some(0.0),
-        });
+        scene.sun = Some(point_sun(120.0, 35.0));
         let camera = match scene.cameras.first() {
             Some(named) => named.camera,
             None => {

@@ -14,7 +14,7 @@ use tyndall::effect::{
 use tyndall::frame::Frame;
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Quality, Step};
-use tyndall::scene::{self as files, Camera, Projection, SunEntry};
+use tyndall::scene::{self as files, Camera, Projection};
 
 /// Pictures in which errors are measured [pixels].
 const PICTURE: [u32; 2] = [256, 192];
@@ -24,14 +24,9 @@ fn interiors(test: &str) -> Vec<(String, Conditions)> {
     let Some(folder) = common::data(test) else {
         return Vec::new();
     };
-    let of = |name: &str, [azimuth_deg, elevation_deg]: [f64; 2]| {
+    let of = |name: &str, [azimuth, elevation]: [f64; 2]| {
         let mut scene = files::load(&folder.join("scenes").join(name)).expect("the scene is sound");
-        scene.sun = Some(SunEntry {
-            azimuth_deg,
-            elevation_deg,
-            illuminance: Some(1e5),
-            diameter_deg: Some(0.0),
-        });
+        scene.sun = Some(point_sun(azimuth, elevation));
         let (min, max) = scene.mesh.bounds().expect("it has triangles");
         let size = (max - min).length();
         let phase = Phase::HenyeyGreenstein { g: 0.6 };

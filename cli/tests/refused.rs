@@ -1,20 +1,10 @@
 //! What is refused, named or cleaned before anything is computed: files that would be lost, flags in vain, names that a
 //! terminal would obey, output that cannot be written.
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod common;
 
-fn tyndall(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_tyndall"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("tyndall starts")
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use common::{stderr, tyndall};
+use std::process::Command;
 
 /// A folder with a textured wall, `wall.obj`, and a scene file of it, `wall.toml`, with a sun, a place and a time.
 fn folder() -> tempfile::TempDir {
@@ -57,7 +47,7 @@ fn no_file_is_written_over_another_of_the_same_command() {
             folder.path(),
             &[&["render", "wall.toml"], &flags[..]].concat(),
         );
-        let said = said(&output);
+        let said = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{flags:?}: {said}");
         assert!(!said.contains("effects"), "{flags:?}: {said}");
         assert!(!folder.path().join("a.exr").exists());
@@ -72,8 +62,8 @@ fn what_has_no_effect_beside_a_sun_is_named() {
     let folder = folder();
     let plan = |flags: &[&str]| {
         let output = tyndall(folder.path(), &[&["plan", "wall.toml"], flags].concat());
-        assert!(output.status.success(), "{}", said(&output));
-        said(&output)
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
     };
     let in_vain = "the sun is given, so these have no effect: ";
     let own = plan(&["--pressure", "900", "--tz", "+02:00", "--tier", "day"]);
@@ -116,7 +106,7 @@ fn flags_have_the_ranges_of_the_scene_file() {
         &["--eye", "0,1,5", "--target", "0,1,0", "--fov", "1e-9"],
     ] {
         let output = tyndall(folder.path(), &[&["plan", "wall.toml"], flags].concat());
-        let said = said(&output);
+        let said = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{flags:?}: {said}");
         assert!(said.contains("outside"), "{flags:?}: {said}");
     }
@@ -127,12 +117,12 @@ fn no_name_reaches_the_terminal_as_a_command_to_it() {
     let folder = folder();
     let output = tyndall(folder.path(), &["plan", "a\u{1b}[31m\nb.glb"]);
     assert_eq!(output.status.code(), Some(2));
-    let missing = said(&output);
+    let missing = stderr(&output);
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\u{1b}[31m\u{7}\u{202e}\nf 1 2 3\n";
     std::fs::write(folder.path().join("name.obj"), obj).expect("it is written");
     let output = tyndall(folder.path(), &["plan", "name.obj", "--sun", "180,30"]);
     assert!(output.status.success());
-    let named = said(&output);
+    let named = stderr(&output);
     for text in [&missing, &named] {
         assert!(text.contains("[31m"), "{text:?}");
         let obeyed = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
@@ -149,7 +139,7 @@ fn a_mesh_that_is_a_folder_is_an_error_of_its_key() {
         let text = format!("# a mesh\nmesh = \"{mesh}\"\n");
         std::fs::write(folder.path().join("folder.toml"), text).expect("it is written");
         let output = tyndall(folder.path(), &["plan", "folder.toml", "--sun", "180,30"]);
-        let said = said(&output);
+        let said = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{said}");
         for word in ["folder.toml:2", "mesh", "is a folder"] {
             assert!(said.contains(word), "`{word}` is not in {said}");
@@ -179,6 +169,6 @@ fn help_that_cannot_be_written_is_status_1() {
             .output()
             .expect("tyndall starts");
         assert_eq!(output.status.code(), Some(1), "{arguments:?}");
-        assert!(said(&output).contains("standard output"), "{arguments:?}");
+        assert!(stderr(&output).contains("standard output"), "{arguments:?}");
     }
 }

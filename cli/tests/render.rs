@@ -1,19 +1,9 @@
 //! `tyndall render` and `tyndall plan` from the outside: flags, files, exit status, what is said.
 
+mod common;
+
+use common::{stderr, tyndall};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-fn tyndall(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_tyndall"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("tyndall starts")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
 
 /// A table under a slatted roof, in haze, with a place and a time.
 fn scene(folder: &Path) -> PathBuf {

@@ -54,6 +54,16 @@ pub fn material(base_color: f64) -> Material {
     }
 }
 
+/// A white point sun of 100 000 lx.
+pub fn point_sun(azimuth_deg: f64, elevation_deg: f64) -> SunEntry {
+    SunEntry {
+        azimuth_deg,
+        elevation_deg,
+        illuminance: Some(1e5),
+        diameter_deg: Some(0.0),
+    }
+}
+
 /// A scene of loose triangles, without ground, under a white point sun of 100 000 lx that stands in `azimuth_deg` and
 /// `elevation_deg`.
 pub fn scene(triangles: &[Corners], azimuth_deg: f64, elevation_deg: f64) -> Scene {
@@ -73,12 +83,7 @@ pub fn scene(triangles: &[Corners], azimuth_deg: f64, elevation_deg: f64) -> Sce
                 .collect(),
             positions,
         },
-        sun: Some(SunEntry {
-            azimuth_deg,
-            elevation_deg,
-            illuminance: Some(1e5),
-            diameter_deg: Some(0.0),
-        }),
+        sun: Some(point_sun(azimuth_deg, elevation_deg)),
         ground: Ground {
             enabled: false,
             height: Some(0.0),

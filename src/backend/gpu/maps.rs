@@ -3,7 +3,7 @@
 
 use super::seen::{Seen, Sight, pixel_width};
 use super::shared::{self, PARTITIONS, PartitionMap};
-use super::window::{Window, heights};
+use super::window::{Window, heights, placed};
 use crate::beam::Beam;
 use crate::conditions::Conditions;
 use crate::effect::MapSettings;
@@ -128,10 +128,7 @@ pub fn fit(
         let p = p - anchor;
         DVec3::new(across.dot(p), along.dot(p), toward.dot(p))
     };
-    let triangles: Vec<[DVec3; 3]> = casters
-        .par_chunks_exact(3)
-        .map(|t| [place(t[0]), place(t[1]), place(t[2])])
-        .collect();
+    let triangles = placed(casters, place);
     let corners = triangles.as_flattened().par_iter();
     let (low, high) = corners
         .fold(

@@ -55,6 +55,14 @@ impl Window {
     }
 }
 
+/// Triangles, whose corners come one after the other, in other axes.
+pub fn placed(corners: &[DVec3], place: impl Fn(DVec3) -> DVec3 + Sync) -> Vec<[DVec3; 3]> {
+    corners
+        .par_chunks_exact(3)
+        .map(|t| [place(t[0]), place(t[1]), place(t[2])])
+        .collect()
+}
+
 /// Least and greatest height of what lies over or under each window [m]; 0 and 0 where nothing does.
 pub fn heights(triangles: &[[DVec3; 3]], windows: &[Window]) -> Vec<(f64, f64)> {
     let none = || vec![(f64::INFINITY, f64::NEG_INFINITY); windows.len()];
@@ -131,10 +139,7 @@ pub fn deepest(conditions: &Conditions, casters: &[DVec3]) -> f64 {
         let p = p - camera.eye;
         DVec3::new(right.dot(p), up.dot(p), forward.dot(p))
     };
-    let triangles: Vec<[DVec3; 3]> = casters
-        .par_chunks_exact(3)
-        .map(|t| [place(t[0]), place(t[1]), place(t[2])])
-        .collect();
+    let triangles = placed(casters, place);
     let [w, h] = conditions.view.size.map(f64::from);
     // A pixel more, since samples lie beside the centres.
     let corners = [(-1.0, -1.0), (w + 1.0, h + 1.0)].map(|(x, y)| {
