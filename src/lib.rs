@@ -47,6 +47,7 @@
 //! | [`frame`] | what a backend makes, and the one table of fields and layers |
 //! | [`accuracy`] | how far numbers are from the truth |
 //! | [`conditions`] | scene, time and view become physics; the one place where domains are checked |
+//! | [`radiosity`] | light from sky and surfaces, everywhere: who sees whom, and how bright all are |
 //! | [`effect`] | one file an effect: equations, decision, reference, passes |
 //! | [`plan`] | which effects run, and why not the others |
 //! | [`backend`] | a GPU or the reference: rendering, checking, choosing by error or time |
@@ -76,6 +77,7 @@ pub mod medium;
 pub mod memory;
 pub mod output;
 pub mod plan;
+pub mod radiosity;
 pub mod scene;
 pub mod sky;
 pub mod studies;

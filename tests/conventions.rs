@@ -11,7 +11,7 @@ use tyndall::effect::{self, Over};
 use wgpu::naga;
 
 /// The modules of the library: each uses only those before it. The documentation of the crate lists them in the same order.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "units",
     "error",
     "memory",
@@ -25,6 +25,7 @@ const ORDER: [&str; 18] = [
     "frame",
     "accuracy",
     "conditions",
+    "radiosity",
     "effect",
     "plan",
     "backend",

@@ -53,15 +53,17 @@ fields! {
     Transmittance, "transmittance", Share;
     /// Sunlight reflected by surfaces [cd/m2].
     Sun, "sun", Reflected;
-    /// Sky light reflected by surfaces [cd/m2].
+    /// Light straight from the sky reflected by surfaces [cd/m2].
     Sky, "sky", Reflected;
+    /// Light from other surfaces reflected by surfaces [cd/m2], whatever its source.
+    Indirect, "indirect", Reflected;
     /// Light of lamps reflected by surfaces [cd/m2].
     Lights, "lights", Reflected;
     /// Sky and disc seen directly [cd/m2].
     Background, "background", Behind;
     /// Sunlight scattered by the air [cd/m2].
     InscatterSun, "inscatter_sun", Air;
-    /// Sky light scattered by the air [cd/m2].
+    /// Light from the sky and from surfaces scattered by the air [cd/m2].
     InscatterSky, "inscatter_sky", Air;
     /// Light of lamps scattered by the air [cd/m2].
     InscatterLights, "inscatter_lights", Air;

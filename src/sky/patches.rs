@@ -163,6 +163,25 @@ fn cells(n: u32) -> Vec<Patch> {
     patches
 }
 
+/// The number, in the order of [`dome`], of the patch of Reinhart's factor `n` that a unit direction points to; below the horizon that
+/// of the lowest row.
+pub(crate) fn row_of(n: u32, toward: DVec3) -> u32 {
+    let height = 90.0 / (7.0 * f64::from(n) + 0.5) * DEG;
+    let elevation = toward.y.clamp(0.0, 1.0).asin();
+    let row = (elevation / height) as u32;
+    let before: u32 = (0..row.min(7 * n))
+        .step_by(n as usize)
+        .map(|first| n * TREGENZA[(first / n) as usize] * (row.min(7 * n) - first).min(n))
+        .sum();
+    if row >= 7 * n {
+        return before;
+    }
+    let count = n * TREGENZA[(row / n) as usize];
+    let azimuth = toward.x.atan2(-toward.z);
+    let place = (azimuth / (2.0 * PI) * f64::from(count)).round() as i64;
+    before + place.rem_euclid(i64::from(count)) as u32
+}
+
 fn triangles() -> Vec<Patch> {
     // Points per ring in proportion to its circumference; 2 (m1 + ... + m35) + m36 triangles, made 5 728 in the widest ring.
     let mut counts: Vec<usize> = (1..=RINGS)
@@ -266,4 +285,19 @@ pub fn raw_share(sky: &Sky, patches: &[Patch]) -> f64 {
         .map(|p| p.mean(|w| sky.radiance(w)) * p.projected)
         .sum();
     crate::colour::luminance(sum) / crate::colour::luminance(sky.horizontal_illuminance())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_patch_is_found_by_its_middle() {
+        for n in [1, 2, 4, 7] {
+            for (k, patch) in cells(n).iter().enumerate() {
+                assert_eq!(row_of(n, patch.direction), k as u32);
+            }
+            assert_eq!(row_of(n, DVec3::new(0.0, -0.1, -1.0).normalize()), 0);
+        }
+    }
 }

@@ -1,0 +1,16 @@
+//! Light from sky and surfaces, everywhere: progressive radiosity over the patches of a scene.
+//!
+//! What a place receives from each direction comes from a patch of the sky, a patch of a surface, the open ground, or nothing:
+//! an [`Arrival`]. Which it is, and what the air on the way lets through, depends on geometry, materials and media alone and
+//! lives in [`Transport`]; how bright each source is at a moment lives in [`Light`]. Another time of day over the same scene is
+//! another [`Light`] over the same transport.
+
+mod arrival;
+mod dome;
+mod light;
+mod transport;
+
+pub use arrival::{Arrival, Source};
+pub use dome::Dome;
+pub use light::Light;
+pub use transport::{Detail, Transport};
