@@ -1,6 +1,5 @@
 //! The sky's patches, found by direction.
 
-use crate::error::Result;
 use crate::sky::Sky;
 use crate::sky::patches::{Patch, Subdivision, dome, radiances, row_of};
 use glam::DVec3;
@@ -13,15 +12,14 @@ pub struct Dome {
 }
 
 impl Dome {
-    /// Tregenza's patches, each split `factor` times each way: 145, 577, 2 305 (4) and so on; 1 to 16.
-    ///
-    /// # Errors
-    /// [`crate::Error::Domain`] for another factor.
-    pub fn new(factor: u32) -> Result<Self> {
-        Ok(Dome {
+    /// Tregenza's patches, each split `factor` times each way: 145, 577, 2 305 (4) and so on; another factor than 1 to 16 is the
+    /// nearest of these.
+    pub fn new(factor: u32) -> Self {
+        let factor = factor.clamp(1, 16);
+        Dome {
             factor,
-            patches: dome(Subdivision::Reinhart(factor))?,
-        })
+            patches: dome(Subdivision::Reinhart(factor)).unwrap_or_default(),
+        }
     }
 
     /// Number of patches.
@@ -32,6 +30,11 @@ impl Dome {
     /// Whether there are none: never.
     pub fn is_empty(&self) -> bool {
         self.patches.is_empty()
+    }
+
+    /// The patches.
+    pub fn patches(&self) -> &[Patch] {
+        &self.patches
     }
 
     /// The patch of a direction above the horizon; of one below it, the patch on the horizon.
