@@ -8,7 +8,7 @@
 use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings, Source, Surface};
 use crate::colour::luminance;
 use crate::conditions::{Conditions, Input};
-use crate::radiosity::{Arrival, Detail, Light, Source as From, Transport};
+use crate::radiosity::{Arrival, Care, Detail, Lattice, Light, Source as From, Transport};
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub const RADIOSITY: Effect = Effect {
     summary: "light of the sky and of other surfaces on surfaces",
     reads: &[Field::Surface],
     writes: &[Field::Sky, Field::Indirect],
-    keeps: &[&TRANSPORT, &LIGHT],
+    keeps: &[&TRANSPORT, &LIGHT, &LATTICE],
     knobs: &[
         Knob {
             name: "sky",
@@ -34,6 +34,12 @@ pub const RADIOSITY: Effect = Effect {
             range: [4.0, 65536.0],
         },
         Knob {
+            name: "outline",
+            meaning: "share of a place's light that may be uncertain at outlines",
+            values: [0.05, 0.02, 0.005, 0.001],
+            range: [1e-5, 1.0],
+        },
+        Knob {
             name: "patch",
             meaning: "size of a patch as a share of what it is a part of or stands next to",
             values: [0.25, 0.125, 0.0625, 0.04],
@@ -42,7 +48,7 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "patches",
             meaning: "the most patches",
-            values: [4e3, 1.2e4, 4e4, 1e5],
+            values: [1.5e3, 4e3, 1.6e4, 4e4],
             range: [16.0, 1e6],
         },
         Knob {
@@ -56,6 +62,12 @@ pub const RADIOSITY: Effect = Effect {
             meaning: "points of a patch from which small openings are looked at",
             values: [0.0, 1.0, 4.0, 16.0],
             range: [0.0, 1024.0],
+        },
+        Knob {
+            name: "bend",
+            meaning: "share of light by which the middle between points may be off what they say",
+            values: [0.15, 0.06, 0.02, 0.01],
+            range: [1e-4, 10.0],
         },
         Knob {
             name: "unshot",
@@ -77,13 +89,25 @@ pub const RADIOSITY: Effect = Effect {
     },
     reference: |conditions, settings, kept| {
         let (transport, light) = solution(conditions, settings, kept);
+        let lattice = kept.get(&LATTICE, conditions, settings, || {
+            Lattice::new(&transport, &light, settings.get("bend"))
+        });
         Box::new(move |fields| {
             let received: Vec<[DVec3; 2]> = fields
                 .surfaces
                 .iter()
                 .map(|surface| match surface.source {
                     Source::Nothing => [DVec3::ZERO; 2],
-                    _ => gathered(&transport, &light, surface),
+                    Source::Ground => lattice.on_ground(&transport, &light, surface.position),
+                    Source::Receiver => gathered(&transport, &light, surface),
+                    Source::Triangle(triangle, weights) => lattice.on_triangle(
+                        &transport,
+                        &light,
+                        triangle,
+                        weights,
+                        surface.facet,
+                        surface.position,
+                    ),
                 })
                 .collect();
             for (place, field) in [Field::Sky, Field::Indirect].into_iter().enumerate() {
@@ -117,6 +141,12 @@ const LIGHT: Keep = Keep {
     ],
 };
 
+/// The light on surfaces where a picture needed it.
+const LATTICE: Keep = Keep {
+    name: "the light on surfaces",
+    reads: LIGHT.reads,
+};
+
 /// Transport and light of a scene, kept.
 fn solution(
     conditions: &Conditions,
@@ -125,7 +155,10 @@ fn solution(
 ) -> (Arc<Transport>, Arc<Light>) {
     let detail = Detail {
         sky: settings.get("sky") as u32,
-        rays: settings.get("rays") as usize,
+        care: Care {
+            rays: settings.get("rays") as usize,
+            outline: settings.get("outline"),
+        },
         patch: settings.get("patch"),
         patches: settings.get("patches") as usize,
         patch_rays: settings.get("patch_rays") as usize,

@@ -97,6 +97,35 @@ impl Face {
         }
     }
 
+    /// The side of the square [m].
+    pub fn side(&self) -> f64 {
+        self.side
+    }
+
+    /// Whether there is surface at a point.
+    pub fn covers(&self, at: DVec2) -> bool {
+        let parts = self.cell(at).into_iter().flat_map(|(_, cell)| &cell.parts);
+        let mut pieces = parts.flat_map(|part| &part.pieces);
+        pieces.any(|(_, polygon)| holds(polygon, at))
+    }
+
+    /// The patch at a point.
+    pub fn patch(&self, at: DVec2) -> Option<u32> {
+        Some(self.cell(at)?.1.part(at)?.patch)
+    }
+
+    /// Whether no cut of the cells of either point runs between two points that are near to each other.
+    pub fn is_uncut_between(&self, a: DVec2, b: DVec2) -> bool {
+        [a, b].into_iter().all(|p| {
+            self.cell(p).is_none_or(|(_, cell)| {
+                let side = |normal: &DVec2, distance: f64, p: DVec2| normal.dot(p) > distance;
+                let mut cuts = cell.cuts.iter();
+                let slack = 1e-9 * cell.side;
+                cuts.all(|(n, d)| (n.dot(a) - d).abs() > slack && side(n, *d, a) == side(n, *d, b))
+            })
+        })
+    }
+
     /// The cell of a point.
     pub fn cell(&self, at: DVec2) -> Option<(u32, &Cell)> {
         let (mut low, mut side) = (self.low, self.side);
@@ -465,6 +494,16 @@ fn within(polygon: &[DVec2], low: DVec2, high: DVec2) -> Vec<DVec2> {
         .fold(polygon.to_vec(), |p, (normal, distance)| {
             clip(&p, normal, distance)
         })
+}
+
+/// Whether a convex polygon holds a point, to rounding.
+pub(super) fn holds(polygon: &[DVec2], at: DVec2) -> bool {
+    let sides = (0..polygon.len()).map(|i| {
+        let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        (b - a).perp_dot(at - a)
+    });
+    let (low, high) = sides.fold((0.0f64, 0.0f64), |(l, h), s| (l.min(s), h.max(s)));
+    low >= -1e-12 * high || high <= -1e-12 * low
 }
 
 /// The area of a polygon.

@@ -11,12 +11,19 @@ use super::patches::spread;
 use super::transport::{Look, Transport};
 use crate::scene::Ray;
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// How often a cell may be quartered, and one in which an opening is known to be.
 const LEVELS: [u32; 2] = [4, 9];
 
-/// The share of light that may be uncertain for want of finer outlines [1].
-const OUTLINE: f64 = 0.005;
+/// How closely a place is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Care {
+    /// Rays before outlines are refined.
+    pub rays: usize,
+    /// The share of light that may be uncertain for want of finer outlines [1].
+    pub outline: f64,
+}
 
 /// The least share of a place's light that is worth a finer outline [1].
 const DIM: f64 = 0.004;
@@ -145,17 +152,18 @@ fn within_cell(level: u32, i: u32, j: u32) -> [f64; 2] {
 impl Transport {
     /// What a point of the air receives from all directions; the solid angles sum to 4 pi.
     pub fn around(&self, point: DVec3) -> Vec<Arrival> {
-        self.gather(point, &Map::Sphere)
+        self.gather(point, &Map::Sphere, self.detail.care)
     }
 
     /// What a surface receives at a point; the shares sum to 1. `normal` is that of the cosine law, `facet` the side on which
     /// the point is.
     pub fn before(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Vec<Arrival> {
-        self.gather(point + self.near(point) * facet, &Map::before(normal))
+        let origin = point + self.near(point) * facet;
+        self.gather(origin, &Map::before(normal), self.detail.care)
     }
 
-    fn gather(&self, origin: DVec3, map: &Map) -> Vec<Arrival> {
-        let n = (self.detail.rays as f64).sqrt().round().max(2.0) as u32;
+    pub(super) fn gather(&self, origin: DVec3, map: &Map, care: Care) -> Vec<Arrival> {
+        let n = (care.rays as f64).sqrt().round().max(2.0) as u32;
         let whole = map.whole();
         let see = |level: u32, i: u32, j: u32| {
             let side = f64::from(n << level);
@@ -183,7 +191,7 @@ impl Transport {
             squares: (0..n * n).map(|k| see(0, k % n, k / n)).collect(),
         };
         view.is_edge = matches!(map, Map::Cosine(_)) && view.bright() < 0.5;
-        let mut missed = self.missed(origin, map, &view);
+        let mut missed = self.missed(origin, map, &view, care);
         for level in 0..LEVELS[1] {
             let mut open: Vec<u32> = match level < LEVELS[0] {
                 true => view.outline(level),
@@ -192,7 +200,7 @@ impl Transport {
             // A cell that an outline crosses is off by 0.29 of its weight on average.
             let weight = whole / f64::from(n << level).powi(2);
             let error = 0.29 * weight * (open.len() as f64).sqrt();
-            if error < OUTLINE * (view.bright() + DIM * whole) {
+            if error < care.outline * (view.bright() + DIM * whole) {
                 open.clear();
             }
             // Outlines are followed wherever they go, else what chance has missed of them would always err to one side.
@@ -235,11 +243,17 @@ impl Transport {
     }
 
     /// Places in the square where there are openings that no cell around has seen.
-    fn missed(&self, origin: DVec3, map: &Map, view: &View) -> Vec<[f64; 2]> {
+    fn missed(&self, origin: DVec3, map: &Map, view: &View, care: Care) -> Vec<[f64; 2]> {
         let n = view.n;
         let mut missed = Vec::new();
+        // An opening that could not be seen beside the others is not looked for.
+        let least = 0.1 * care.outline * (view.bright() + DIM * map.whole()) / map.whole();
         for opening in self.openings.all() {
-            let Some(direction) = (*opening - origin).try_normalize() else {
+            let way = *opening - origin;
+            if self.openings.size.powi(2) < PI * least * way.length_squared() {
+                continue;
+            }
+            let Some(direction) = way.try_normalize() else {
                 continue;
             };
             let Some([x, y]) = map.place(direction) else {

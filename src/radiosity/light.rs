@@ -19,6 +19,8 @@ use std::f64::consts::PI;
 pub struct Light {
     sky: Vec<DVec3>,
     open_ground: DVec3,
+    /// What open ground receives from the sky [lx].
+    open_sky: DVec3,
     patches: Vec<DVec3>,
     /// The account of energy.
     pub account: Account,
@@ -52,9 +54,12 @@ impl Light {
         let sky = sky.map_or(vec![DVec3::ZERO; transport.dome.len()], |sky| {
             transport.dome.radiances(sky)
         });
-        let open_ground = open_ground(transport, conditions, &sky);
+        let [open_sky, open_sun] = on_open_ground(transport, conditions, &sky);
+        let open_ground =
+            conditions.ground.map_or(DVec3::ZERO, |g| g.albedo) / PI * (open_sky + open_sun);
         let mut light = Light {
             sky,
+            open_sky,
             open_ground,
             patches: Vec::new(),
             account: Account::default(),
@@ -73,6 +78,10 @@ impl Light {
         light.patches = exitance.into_iter().map(|m| m / PI).collect();
         light.account = account;
         if std::env::var("TD").is_ok() {
+            eprintln!(
+                "rays {}",
+                super::transport::RAYS.load(std::sync::atomic::Ordering::Relaxed)
+            );
             let n = transport.patches.all.len();
             let active = transport
                 .exchange
@@ -83,7 +92,8 @@ impl Light {
                 .count();
             eprintln!(
                 "openings {} patches {n} active {active} coarse {} correction {} account {account:?}",
-                transport.openings.all().len(), transport.patches.coarse,
+                transport.openings.all().len(),
+                transport.patches.coarse,
                 transport.exchange.correction
             );
             if n < 3 {
@@ -114,30 +124,35 @@ impl Light {
         }
     }
 
+    /// What the open ground receives: straight from the sky, and from surfaces [lx, RGB].
+    pub(super) fn on_open_ground(&self) -> [DVec3; 2] {
+        [self.open_sky, DVec3::ZERO]
+    }
+
     /// The light of one arrival: share times radiance times what is let through.
     pub fn of(&self, arrival: &Arrival) -> DVec3 {
         f64::from(arrival.share) * arrival.through.as_dvec3() * self.radiance(arrival.source)
     }
 }
 
-/// What ground sends that lies open to sky and sun [cd/m2, RGB].
-fn open_ground(transport: &Transport, conditions: &Conditions, sky: &[DVec3]) -> DVec3 {
+/// What ground receives that lies open: from the sky, and from the sun [lx, RGB].
+fn on_open_ground(transport: &Transport, conditions: &Conditions, sky: &[DVec3]) -> [DVec3; 2] {
     let Some(ground) = conditions.ground else {
-        return DVec3::ZERO;
+        return [DVec3::ZERO; 2];
     };
     let air = &conditions.air;
     let place = DVec3::new(0.0, ground.height, 0.0);
-    let mut sum = DVec3::ZERO;
+    let mut whole = DVec3::ZERO;
     for (patch, radiance) in transport.dome.patches().iter().zip(sky) {
         let depth = air.sky_optical_depth(place, patch.direction);
-        sum += patch.projected * *radiance * (-depth).exp();
+        whole += patch.projected * *radiance * (-depth).exp();
     }
     let sun = &conditions.sun;
-    if sun.shines() && sun.toward.y > 0.0 {
-        let depth = air.sun_optical_depth(place, sun.toward);
-        sum += sun.light.illuminance * sun.toward.y * (-depth).exp();
+    if !sun.shines() || sun.toward.y <= 0.0 {
+        return [whole, DVec3::ZERO];
     }
-    ground.albedo / PI * sum
+    let depth = air.sun_optical_depth(place, sun.toward);
+    [whole, sun.light.illuminance * sun.toward.y * (-depth).exp()]
 }
 
 /// The illuminance that the sun gives to a patch on average [lx, RGB].

@@ -10,6 +10,7 @@ mod cells;
 mod dome;
 mod exchange;
 mod gather;
+mod lattice;
 mod light;
 mod openings;
 mod patches;
@@ -18,5 +19,7 @@ mod transport;
 
 pub use arrival::{Arrival, Source};
 pub use dome::Dome;
+pub use gather::Care;
+pub use lattice::{Lattice, Received};
 pub use light::{Account, Light};
 pub use transport::{Detail, Transport};

@@ -9,21 +9,29 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Points in openings [m].
+/// Points in openings.
 #[derive(Default)]
-pub(super) struct Openings(Vec<DVec3>);
+pub(super) struct Openings {
+    points: Vec<DVec3>,
+    /// How large a part of an opening each stands for [m].
+    pub size: f64,
+}
 
 /// The most points that are kept: each costs a look at it from every place that does not see an opening around there.
-const MOST: usize = 400;
+const MOST: usize = 200;
+
+/// From so many patches openings are looked for.
+const LOOKERS: usize = 1000;
 
 impl Openings {
     /// Looks for them from the patches that light reaches.
     pub fn find(transport: &Transport, lit: &[bool]) -> Self {
-        let mut found: Vec<DVec3> = transport
-            .patches
-            .all
-            .par_iter()
-            .enumerate()
+        let all = &transport.patches.all;
+        let stride = all.len().div_ceil(LOOKERS).max(1);
+        let mut found: Vec<DVec3> = (0..all.len())
+            .into_par_iter()
+            .step_by(stride)
+            .map(|patch| (patch, &all[patch]))
             .filter(|(patch, own)| lit[*patch] && own.area > 0.0)
             .flat_map_iter(|(patch, own)| {
                 let spot = own.spot(&spread(0, patch as u64));
@@ -42,11 +50,14 @@ impl Openings {
             found = kept.into_iter().map(|(_, point)| point).collect();
             cell *= 1.5;
         }
-        Openings(found)
+        Openings {
+            points: found,
+            size: cell,
+        }
     }
 
     /// All points.
     pub fn all(&self) -> &[DVec3] {
-        &self.0
+        &self.points
     }
 }

@@ -11,8 +11,11 @@ use rayon::prelude::*;
 
 /// Parts of surfaces that send the same light everywhere, each on one side.
 pub(super) struct Patches {
-    homes: Vec<Home>,
-    faces: Vec<Face>,
+    pub homes: Vec<Home>,
+    /// Two of each plane, then the ground's if there is one.
+    pub faces: Vec<Face>,
+    /// Triangles whose vertices have normals that are not the plane's.
+    bent: Vec<bool>,
     /// The patch of each cluster.
     of_cluster: Vec<u32>,
     /// All of them.
@@ -39,6 +42,9 @@ struct Piece {
     normal: DVec3,
     triangle: u32,
 }
+
+/// The cosine of the angle [8 degrees] up to which a vertex's normal is taken for its plane's.
+const FLAT: f64 = 0.99;
 
 /// A place on a patch.
 #[derive(Debug, Clone, Copy)]
@@ -121,7 +127,17 @@ impl Patches {
             .into_par_iter()
             .map(|pieces| Patch::new(conditions, pieces, &opacity, working))
             .collect();
+        let mesh = &conditions.scene.mesh;
+        let bent = (0..mesh.triangles.len() as u32).map(|triangle| {
+            let [a, b, c] = corners(conditions, triangle);
+            let facet = (b - a).cross(c - a).normalize_or_zero();
+            let vertices = mesh.triangles[triangle as usize].vertices;
+            let normals = vertices.map(|v| mesh.normals[v as usize]);
+            let off = |n: &DVec3| *n != DVec3::ZERO && n.dot(facet).abs() < FLAT;
+            normals.iter().any(off)
+        });
         Patches {
+            bent: bent.collect(),
             homes: surfaces.homes,
             faces,
             of_cluster,
@@ -151,6 +167,11 @@ impl Patches {
     /// The patch of the ground at a point; `None` far from everything.
     pub fn of_ground(&self, point: DVec3) -> Option<Source> {
         self.on_face(self.faces.len() - 1, point)
+    }
+
+    /// Whether a triangle's vertices have normals that are not its own.
+    pub fn is_bent(&self, triangle: u32) -> bool {
+        self.bent[triangle as usize]
     }
 
     /// Whether a patch is one of the ground.

@@ -141,25 +141,54 @@ impl Surfaces {
             }
             of_triangle.push((triangle, plane, front));
         }
-        // What is smaller than a cluster would be is no plane of its own.
+        // What is smaller than a cluster would be is no plane of its own; clusters are larger where there are many planes.
+        let mut share = share;
+        let is_plane = |triangle: u32, plane: u32, share: f64| {
+            planes[plane as usize].extent() >= 0.75 * share * things.extent_of(triangle)
+        };
+        loop {
+            let kept = of_triangle
+                .iter()
+                .filter(|(t, p, _)| is_plane(*t, *p, share));
+            let mut kept: Vec<u32> = kept.map(|(_, plane, _)| *plane).collect();
+            kept.sort_unstable();
+            kept.dedup();
+            if 4 * kept.len() <= most || share > 1.0 {
+                break;
+            }
+            share *= 1.4;
+        }
         let mut small = Vec::new();
         for &(triangle, plane, front) in &of_triangle {
-            let extent = planes[plane as usize].extent();
             let thing = things.extent_of(triangle);
-            if extent >= 0.75 * share * thing {
+            if is_plane(triangle, plane, share) && share <= 1.0 {
                 homes[triangle as usize] = Home::Plane(plane, front);
-                sizes[triangle as usize] = extent.min(thing);
+                sizes[triangle as usize] = planes[plane as usize].extent().min(thing);
             } else {
                 small.push(triangle);
                 sizes[triangle as usize] = thing;
             }
         }
         let clusters = clusters(conditions, &things, &small, share, most, &mut homes);
-        for (index, plane) in planes.iter_mut().enumerate() {
-            plane
-                .triangles
-                .retain(|t| matches!(homes[*t as usize], Home::Plane(p, _) if p == index as u32));
+        // Planes that were left to clusters are none.
+        let mut number = vec![u32::MAX; planes.len()];
+        let mut kept: Vec<Plane> = Vec::new();
+        for (triangle, plane, _) in &of_triangle {
+            let Home::Plane(_, front) = homes[*triangle as usize] else {
+                continue;
+            };
+            let at = *plane as usize;
+            if number[at] == u32::MAX {
+                number[at] = kept.len() as u32;
+                kept.push(Plane {
+                    triangles: Vec::new(),
+                    ..planes[at].clone()
+                });
+            }
+            kept[number[at] as usize].triangles.push(*triangle);
+            homes[*triangle as usize] = Home::Plane(number[at], front);
         }
+        let planes = kept;
         Surfaces {
             planes,
             homes,

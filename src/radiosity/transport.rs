@@ -1,8 +1,10 @@
 //! What does not change with the time of day: who sees whom, and through what.
 
-use super::arrival::Source;
+use super::arrival::{Map, Source};
 use super::dome::Dome;
 use super::exchange::Exchange;
+use super::gather::Care;
+use super::lattice::Seen;
 use super::openings::Openings;
 use super::patches::{Patches, spread};
 use crate::conditions::Conditions;
@@ -15,8 +17,8 @@ use rayon::prelude::*;
 pub struct Detail {
     /// Each of Tregenza's 145 patches of the sky is split this many times each way.
     pub sky: u32,
-    /// Rays from a point before outlines are refined.
-    pub rays: usize,
+    /// How closely places are looked at whose light is wanted.
+    pub care: Care,
     /// A patch is at most this share as large as what it is a part of and what stands next to it.
     pub patch: f64,
     /// The most patches.
@@ -34,6 +36,8 @@ pub struct Transport {
     pub(super) patches: Patches,
     pub(super) exchange: Exchange,
     pub(super) openings: Openings,
+    /// What points of lattices have seen.
+    pub(super) seen: Seen,
     pub(super) detail: Detail,
 }
 
@@ -54,13 +58,28 @@ impl Transport {
             patches: Patches::new(conditions, detail.patch, detail.patches),
             exchange: Exchange::default(),
             openings: Openings::default(),
+            seen: Seen::default(),
             detail,
         };
         let few = transport.rows(&vec![true; transport.patches.all.len()], FEW, 0);
         let lit = Exchange::reached(&few);
+        let now = std::time::Instant::now();
+        let td = |what: &str| {
+            if std::env::var("TD").is_ok() {
+                eprintln!(
+                    "{what} {:?} rays {}",
+                    now.elapsed(),
+                    RAYS.load(std::sync::atomic::Ordering::Relaxed)
+                )
+            }
+        };
+        td("few");
         transport.openings = Openings::find(&transport, &lit);
+        td("openings");
         let rows = transport.rows(&lit, detail.patch_rays, detail.patch_spots);
+        td("rows");
         transport.exchange = Exchange::new(&transport.patches, rows);
+        td("exchange");
         transport
     }
 
@@ -103,7 +122,8 @@ impl Transport {
         let mut seen = Row::new();
         for k in 0..spots {
             let spot = own.spot(&spread(k, patch as u64));
-            for arrival in self.before(spot.point, spot.normal, spot.normal) {
+            let origin = spot.point + self.near(spot.point) * spot.normal;
+            for arrival in self.gather(origin, &Map::before(spot.normal), SPOT) {
                 if outside(&arrival.source) {
                     let share = arrival.share / spots as f32;
                     seen.push((arrival.source, share, share * arrival.through));
@@ -139,6 +159,7 @@ impl Transport {
             ground,
             ..
         } = &self.conditions;
+        RAYS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let Ray { origin, direction } = *ray;
         let clear = air.media.is_empty();
         let through = |depth: DVec3| (-depth).exp().as_vec3();
@@ -191,6 +212,12 @@ impl Transport {
 /// The share of what a patch sees from which on its rays alone find the outside well enough [1].
 const WIDE: f32 = 0.3;
 
+/// How closely patches look at the outside: what one of them misses another sees too much of.
+const SPOT: Care = Care {
+    rays: 64,
+    outline: 0.05,
+};
+
 /// Rays by which it is found which patches light can reach at all.
 const FEW: usize = 16;
 
@@ -209,3 +236,5 @@ pub(super) fn merge(row: &mut Row) {
         same
     });
 }
+
+pub static RAYS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
