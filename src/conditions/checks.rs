@@ -165,9 +165,25 @@ pub(super) fn north(degrees: f64) -> Result<()> {
     ))
 }
 
+fn near(point: DVec3) -> bool {
+    point.abs().cmple(DVec3::splat(FARTHEST)).all()
+}
+
+/// Checks where a point is that receives light.
+pub(super) fn position(point: DVec3) -> Result<()> {
+    if near(point) {
+        return Ok(());
+    }
+    Err(Error::domain(
+        "the position",
+        format!("{point} m"),
+        "-1e9 to 1e9 m in each coordinate",
+        "give metres in the scene's axes",
+    ))
+}
+
 /// Checks a camera's numbers.
 pub(super) fn camera(camera: &Camera) -> Result<()> {
-    let near = |point: DVec3| point.abs().cmple(DVec3::splat(FARTHEST)).all();
     if !near(camera.eye) {
         return Err(Error::domain(
             "the camera's eye",
@@ -342,15 +358,15 @@ pub(super) fn receivers(points: &[Receiver], [width, height]: [u32; 2]) -> Resul
             "take the view as View::of_points makes it",
         ));
     }
-    let bad = points.iter().position(|point| {
-        !(point.position.is_finite() && (point.normal.length() - 1.0).abs() < 1e-6)
-    });
+    let bad = points
+        .iter()
+        .position(|point| !(near(point.position) && (point.normal.length() - 1.0).abs() < 1e-6));
     match bad {
         None => Ok(()),
         Some(i) => Err(Error::domain(
             format!("point {}", i + 1),
             format!("{}, normal {}", points[i].position, points[i].normal),
-            "a finite position and a normal of length 1",
+            "-1e9 to 1e9 m in each coordinate and a normal of length 1",
             "give metres in scene axes and a unit vector",
         )),
     }

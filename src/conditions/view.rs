@@ -1,5 +1,7 @@
 //! From where a scene is looked at: the pixels of a camera, or points whose illuminance is wanted.
 
+use super::checks;
+use crate::error::{Error, Result};
 use crate::scene::{Camera, Projection};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -35,6 +37,27 @@ pub struct Receiver {
     pub position: DVec3,
     /// Unit vector toward the side that receives.
     pub normal: DVec3,
+}
+
+impl Receiver {
+    /// A point, and a direction of any length toward the side that receives.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a coordinate beyond 1e9 m and for a direction of length 0.
+    pub fn new(position: DVec3, direction: DVec3) -> Result<Self> {
+        checks::position(position)?;
+        // First brought near 1, so that no square overflows or vanishes.
+        let normal = (direction / direction.abs().max_element()).try_normalize();
+        match normal {
+            Some(normal) if direction.is_finite() => Ok(Receiver { position, normal }),
+            _ => Err(Error::domain(
+                "the normal",
+                direction,
+                "a direction of a length above 0",
+                "0, 1, 0 is up",
+            )),
+        }
+    }
 }
 
 impl View {

@@ -1,7 +1,7 @@
 //! `tyndall accuracy --effect shafts`: what accuracy costs in the air, method by method.
 
 use crate::arguments::form::FormArgs;
-use crate::arguments::scene::{MethodFlag, SceneArgs, method, setting, size};
+use crate::arguments::scene::{MethodFlag, ViewArgs, method, setting, size};
 use crate::plots::plot::{Axis, Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
@@ -23,7 +23,7 @@ use tyndall::{Error, Result};
 #[derive(Args, Debug)]
 pub struct ShaftsArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    view: ViewArgs,
     /// With --effect shafts: scenes of the study, separated by commas, or `scene` for the one that is named
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     study: Vec<String>,
@@ -123,7 +123,7 @@ pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
 
 /// The scenes that are asked for.
 fn wanted(flags: &ShaftsArgs) -> Result<Vec<(String, Conditions)>> {
-    let named = flags.scene.scene.is_some();
+    let named = flags.view.scene.scene.is_some();
     let names = match (flags.study.is_empty(), named) {
         (true, true) => vec!["scene".to_owned()],
         (true, false) => ["slats", "colonnade", "forest"].map(str::to_owned).to_vec(),
@@ -133,7 +133,7 @@ fn wanted(flags: &ShaftsArgs) -> Result<Vec<(String, Conditions)>> {
         .into_iter()
         .map(|name| {
             if name == "scene" {
-                let conditions = flags.scene.conditions()?;
+                let conditions = flags.view.conditions()?;
                 return Ok((conditions.scene.name.clone(), conditions));
             }
             let view = scenes::named(&name).ok_or_else(|| {

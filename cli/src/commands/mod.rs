@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod accuracy_shafts;
 pub mod completions;
+pub mod daylight;
 pub mod doctor;
 pub mod plan;
 pub mod render;
