@@ -36,6 +36,8 @@ struct Cli {
 enum Command {
     Render(render::RenderArgs),
     Plan(plan::PlanCommand),
+    // A meter is read where a picture is looked at.
+    #[command(mut_arg("quality", |quality| quality.default_value("high")))]
     Daylight(Box<daylight::DaylightArgs>),
     /// Sun position, rise, set, noon and twilights
     Sun(Box<sun::SunArgs>),
