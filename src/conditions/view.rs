@@ -68,16 +68,9 @@ impl View {
     pub fn of_points(points: impl Into<Arc<[Receiver]>>) -> Self {
         let points: Arc<[Receiver]> = points.into();
         let count = points.len().max(1) as u32;
-        let (low, high) = points
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-                (low.min(p.position), high.max(p.position))
-            });
-        let eye = if points.is_empty() {
-            DVec3::ZERO
-        } else {
-            0.5 * (low + high)
-        };
+        // Of points, the few that lie far off do not take from the precision of the others.
+        let middle = |axis: usize| middle(points.iter().map(|p| p.position[axis]).collect());
+        let eye = DVec3::new(middle(0), middle(1), middle(2));
         let width = count.min(Self::ROW);
         View {
             camera: Camera {
@@ -121,5 +114,20 @@ impl View {
                     .unwrap_or(camera.direction),
             },
         }
+    }
+}
+
+/// The median; of two in the middle the one nearer to 0. 0 for none.
+fn middle(mut values: Vec<f64>) -> f64 {
+    let half = values.len() / 2;
+    let whole = values.len() % 2 == 1;
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (below, upper, _) = values.select_nth_unstable_by(half, f64::total_cmp);
+    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    match whole || upper.abs() <= lower.abs() {
+        true => *upper,
+        false => lower,
     }
 }
