@@ -5,6 +5,7 @@ use super::dome::Dome;
 use crate::conditions::Conditions;
 use crate::error::Result;
 use crate::scene::Ray;
+use crate::sky::patches::Subdivision;
 use glam::{DVec3, Vec3};
 
 /// How finely light is carried.
@@ -31,7 +32,7 @@ impl Transport {
     pub fn new(conditions: &Conditions, detail: Detail) -> Result<Self> {
         Ok(Transport {
             conditions: conditions.clone(),
-            dome: Dome::new(detail.sky)?,
+            dome: Dome::new(Subdivision::Reinhart(detail.sky))?,
             detail,
         })
     }
