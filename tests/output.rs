@@ -29,7 +29,7 @@ fn rec709() -> OutputSpace {
     }
 }
 
-/// Values of every size, from a shadow's to the sun's disc, in five of the seven layers.
+/// Values of every size, from a shadow's to the sun's disc, in six of the eight layers.
 fn frame(width: u32, height: u32) -> Frame {
     let mut frame = Frame::new(width, height).expect("room for it");
     let pixels = frame.pixels();

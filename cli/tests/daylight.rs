@@ -9,6 +9,9 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+/// What lights points from sky and surfaces, and its knob for rays from each.
+const SKY: [&str; 2] = ["surface_sky", "surface_sky.rays=16"];
+
 /// Luminance of the uniform skies of these tests [cd/m2], and what they give on open ground [lx].
 const LUMINANCE: f64 = 5000.0;
 const OPEN: f64 = PI * LUMINANCE;
@@ -154,13 +157,15 @@ fn a_wall_sees_half_the_sky_and_what_the_ground_sends() {
     let albedo = 0.3;
     let ground = format!("[ground]\nenabled = true\nheight = 0.0\nalbedo = {albedo}\n");
     let points = "x,y,z,nx,ny,nz\n0,2,0,0,0,-1\n0,2,0,-1,0,0\n0,2,0,0,-1,0\n0,2,0,0,1,0\n";
-    for (sun, ground) in [(0.0, &ground), (2e4, &ground), (2e4, &String::new())] {
+    let none = "[ground]\nenabled = false\n".to_owned();
+    for (sun, ground, albedo) in [
+        (0.0, &ground, albedo),
+        (2e4, &ground, albedo),
+        (2e4, &none, 0.0),
+    ] {
         let scene = Scene::open(sun, ground);
         // What open ground receives of the sky and of the sun, and sends back.
-        let sent = match ground.is_empty() {
-            true => 0.0,
-            false => albedo * (OPEN + 0.5 * sun),
-        };
+        let sent = albedo * (OPEN + 0.5 * sun);
         let rows = scene.lux(points, UNIFORM, &[]);
         // The shares of the sky and the ground that a wall, a ceiling and a floor see: (1 +- cos) / 2.
         for (row, of_sky) in rows.iter().zip([0.5, 0.5, 0.0, 1.0]) {
@@ -239,7 +244,7 @@ fn rows_come_out_as_they_went_in_however_many_there_are() {
         format!("{i},{x},{},0\n", 0.2 + 0.1 * (i % 5) as f64)
     };
     let all: String = (0..20_000).map(point).collect();
-    let few = ["--quality", "draft", "--set", "surface_sky.rays=16"];
+    let few = ["--quality", "draft", "--set", SKY[1]];
     let many = scene.run(
         &format!("id,x,y,z\n{all}"),
         &[&["--csv", "--sky", UNIFORM][..], &few].concat(),
@@ -532,7 +537,7 @@ fn the_report_says_what_was_done() {
             "--set",
             "surface_sun.suns=4",
             "--without",
-            "surface_sky",
+            SKY[0],
             "--sky",
             UNIFORM,
         ],
@@ -546,11 +551,11 @@ fn the_report_says_what_was_done() {
     assert_eq!(report["record"]["sun_illuminance_lx"], 1e5);
     assert_eq!(report["work"]["backend"], "reference");
     let steps = report["plan"].as_array().expect("steps");
-    let left_out = steps.iter().find(|step| step["effect"] == "surface_sky");
+    let left_out = steps.iter().find(|step| step["effect"] == SKY[0]);
     assert!(left_out.is_none_or(|step| step["run"] == false));
     let stages = report["stages"].as_array().expect("stages");
     assert!(stages.iter().any(|stage| stage["name"] == "surface_sun"));
-    let rows = scene.lux("x,y,z\n0,1,0\n", UNIFORM, &["--without", "surface_sky"]);
+    let rows = scene.lux("x,y,z\n0,1,0\n", UNIFORM, &["--without", SKY[0]]);
     assert_eq!((rows[0].sky, rows[0].indirect), (0.0, 0.0));
     assert!(near(rows[0].illuminance, 5e4, 1e-6));
 }
