@@ -95,6 +95,40 @@ impl View {
         }
     }
 
+    /// Checks the points that receive light, if there are any, and whether the picture has a pixel for each.
+    pub(super) fn check_points(&self) -> Result<()> {
+        let Some(points) = self.points() else {
+            return Ok(());
+        };
+        let [width, height] = self.size;
+        if points.is_empty() {
+            return Err(Error::input(
+                "the points",
+                "there are none",
+                "give at least one position and normal",
+            ));
+        }
+        if u64::from(width) * u64::from(height) < points.len() as u64 {
+            return Err(Error::input(
+                format!("the {} points", points.len()),
+                format!("a picture of {width} x {height} pixels has not one for each"),
+                "take the view as View::of_points makes it",
+            ));
+        }
+        let good = |point: &Receiver| {
+            checks::near(point.position) && (point.normal.length() - 1.0).abs() < 1e-6
+        };
+        match points.iter().position(|point| !good(point)) {
+            None => Ok(()),
+            Some(i) => Err(Error::domain(
+                format!("point {}", i + 1),
+                format!("{}, normal {}", points[i].position, points[i].normal),
+                "-1e9 to 1e9 m in each coordinate and a normal of length 1",
+                "give metres in scene axes and a unit vector",
+            )),
+        }
+    }
+
     /// The point whose illuminance a pixel holds.
     pub fn point(&self, pixel: glam::UVec2) -> Option<&Receiver> {
         let index = pixel.y * self.size[0] + pixel.x;

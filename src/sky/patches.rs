@@ -183,7 +183,7 @@ pub(crate) enum Finder {
     /// Among cells of Reinhart's factor.
     Cells(u32),
     /// Among the triangles.
-    Triangles(Rings),
+    Triangles(Box<Rings>),
 }
 
 /// The strips of triangles between rings of points: points in each ring, and the number of each strip's first triangle.
@@ -197,7 +197,7 @@ impl Finder {
     /// For the patches of a subdivision.
     pub(crate) fn new(subdivision: Subdivision) -> Self {
         match subdivision {
-            Subdivision::Triangles => Finder::Triangles(Rings::new()),
+            Subdivision::Triangles => Finder::Triangles(Box::new(Rings::new())),
             Subdivision::Tregenza => Finder::Cells(1),
             Subdivision::Reinhart(n) => Finder::Cells(n),
         }
