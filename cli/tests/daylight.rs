@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// What lights points from sky and surfaces, and its knob for rays from each.
-const SKY: [&str; 2] = ["surface_sky", "surface_sky.rays=16"];
+const SKY: [&str; 2] = ["radiosity", "radiosity.rays=16"];
 
 /// Luminance of the uniform skies of these tests [cd/m2], and what they give on open ground [lx].
 const LUMINANCE: f64 = 5000.0;

@@ -1,6 +1,5 @@
 //! The sky's patches, found by direction.
 
-use crate::error::Result;
 use crate::sky::Sky;
 use crate::sky::patches::{Finder, Patch, Subdivision, dome, radiances};
 use glam::DVec3;
@@ -13,15 +12,16 @@ pub struct Dome {
 }
 
 impl Dome {
-    /// The patches of a subdivision.
-    ///
-    /// # Errors
-    /// [`crate::Error::Domain`] for a Reinhart factor outside 1 to 16.
-    pub fn new(subdivision: Subdivision) -> Result<Self> {
-        Ok(Dome {
+    /// The patches of a subdivision; a Reinhart factor other than 1 to 16 is the nearest of these.
+    pub fn new(subdivision: Subdivision) -> Self {
+        let subdivision = match subdivision {
+            Subdivision::Reinhart(factor) => Subdivision::Reinhart(factor.clamp(1, 16)),
+            other => other,
+        };
+        Dome {
             finder: Finder::new(subdivision),
-            patches: dome(subdivision)?,
-        })
+            patches: dome(subdivision).unwrap_or_default(),
+        }
     }
 
     /// Number of patches.

@@ -24,8 +24,14 @@ pub const OTHERS: Quality = Quality::High;
 
 /// Effects, their knobs, and the values over which each is swept.
 const SWEEPS: &[(&str, &str, &[f64])] = &[
-    ("surface_sky", "rays", &[16.0, 64.0, 256.0, 1024.0]),
-    ("surface_sky", "spacing", &[0.08, 0.04, 0.02, 0.01]),
+    // 145, 577, 2 305, 9 217 and 36 865 patches.
+    ("radiosity", "sky", &[1.0, 2.0, 4.0, 8.0, 16.0]),
+    ("radiosity", "rays", &[16.0, 64.0, 256.0, 1024.0]),
+    ("radiosity", "patch", &[0.5, 0.25, 0.125, 0.0625]),
+    ("radiosity", "patches", &[100.0, 1000.0, 10_000.0, 40_000.0]),
+    ("radiosity", "patch_rays", &[32.0, 128.0, 512.0, 2048.0]),
+    ("radiosity", "patch_spots", &[0.0, 1.0, 4.0, 16.0]),
+    ("radiosity", "unshot", &[0.1, 1e-2, 1e-3, 1e-4]),
 ];
 
 /// One setting.
