@@ -9,13 +9,14 @@ use super::openings::Openings;
 use super::patches::{Patches, spread};
 use crate::conditions::Conditions;
 use crate::scene::{Ray, opacity};
+use crate::sky::patches::Subdivision;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// How finely light is carried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detail {
-    /// Each of Tregenza's 145 patches of the sky is split this many times each way.
+    /// Each of Tregenza's 145 patches of the sky is split this many times each way; 0 stands for ReLiShaft's 5 728 triangles.
     pub sky: u32,
     /// How closely places are looked at whose light is wanted.
     pub care: Care,
@@ -54,7 +55,10 @@ impl Transport {
     pub fn new(conditions: &Conditions, detail: Detail) -> Self {
         let mut transport = Transport {
             conditions: conditions.clone(),
-            dome: Dome::new(detail.sky),
+            dome: Dome::new(match detail.sky {
+                0 => Subdivision::Triangles,
+                factor => Subdivision::Reinhart(factor),
+            }),
             patches: Patches::new(conditions, detail.patch, detail.patches),
             exchange: Exchange::default(),
             openings: Openings::default(),
