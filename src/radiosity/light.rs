@@ -83,7 +83,8 @@ impl Light {
                 .count();
             eprintln!(
                 "openings {} patches {n} active {active} coarse {} correction {} account {account:?}",
-                transport.openings.all().len(), transport.patches.coarse,
+                transport.openings.all().len(),
+                transport.patches.coarse,
                 transport.exchange.correction
             );
             if n < 3 {
