@@ -36,7 +36,7 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "outline",
             meaning: "share of a place's light that may be uncertain at outlines",
-            values: [0.05, 0.02, 0.005, 0.001],
+            values: [0.1, 0.04, 0.005, 0.001],
             range: [1e-5, 1.0],
         },
         Knob {
@@ -48,20 +48,20 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "patches",
             meaning: "the most patches",
-            values: [1.5e3, 4e3, 1.6e4, 4e4],
+            values: [4e3, 1.2e4, 2.4e4, 6e4],
             range: [16.0, 1e6],
         },
         Knob {
             name: "patch_rays",
-            meaning: "rays from each patch",
-            values: [64.0, 128.0, 512.0, 2048.0],
-            range: [16.0, 65536.0],
+            meaning: "rays from all patches together",
+            values: [1e5, 5e5, 4e6, 4e7],
+            range: [16.0, 1e9],
         },
         Knob {
             name: "patch_spots",
-            meaning: "points of a patch from which small openings are looked at",
-            values: [0.0, 1.0, 4.0, 16.0],
-            range: [0.0, 1024.0],
+            meaning: "points of patches from which small openings are looked at",
+            values: [0.0, 1.5e3, 1e4, 1e5],
+            range: [0.0, 1e7],
         },
         Knob {
             name: "bend",

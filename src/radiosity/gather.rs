@@ -11,7 +11,6 @@ use super::patches::spread;
 use super::transport::{Look, Transport};
 use crate::scene::Ray;
 use glam::DVec3;
-use std::f64::consts::PI;
 
 /// How often a cell may be quartered, and one in which an opening is known to be.
 const LEVELS: [u32; 2] = [4, 9];
@@ -191,7 +190,7 @@ impl Transport {
             squares: (0..n * n).map(|k| see(0, k % n, k / n)).collect(),
         };
         view.is_edge = matches!(map, Map::Cosine(_)) && view.bright() < 0.5;
-        let mut missed = self.missed(origin, map, &view, care);
+        let mut missed = self.missed(origin, map, &view);
         for level in 0..LEVELS[1] {
             let mut open: Vec<u32> = match level < LEVELS[0] {
                 true => view.outline(level),
@@ -242,31 +241,24 @@ impl Transport {
         leaves.map(|square| square.arrival).collect()
     }
 
-    /// Places in the square where there are openings that no cell around has seen.
-    fn missed(&self, origin: DVec3, map: &Map, view: &View, care: Care) -> Vec<[f64; 2]> {
+    /// Places in the square where there are openings that their cells have not seen.
+    fn missed(&self, origin: DVec3, map: &Map, view: &View) -> Vec<[f64; 2]> {
         let n = view.n;
         let mut missed = Vec::new();
-        // An opening that could not be seen beside the others is not looked for.
-        let least = 0.1 * care.outline * (view.bright() + DIM * map.whole()) / map.whole();
         for opening in self.openings.all() {
             let way = *opening - origin;
-            if self.openings.size.powi(2) < PI * least * way.length_squared() {
-                continue;
-            }
             let Some(direction) = way.try_normalize() else {
                 continue;
             };
             let Some([x, y]) = map.place(direction) else {
                 continue;
             };
-            let [i, j] = [x, y].map(|at| ((at * f64::from(n)) as u32).min(n - 1));
-            let known = (i.saturating_sub(1)..(i + 2).min(n))
-                .flat_map(|i| (j.saturating_sub(1)..(j + 2).min(n)).map(move |j| j * n + i))
-                .any(|square| view.squares[square as usize].kind != Kind::Dark);
-            if !known {
+            let at = [x, y].map(|at| at.clamp(0.0, 1.0 - 1e-12));
+            let [i, j] = at.map(|at| (at * f64::from(n)) as u32);
+            if view.squares[(j * n + i) as usize].kind == Kind::Dark {
                 let look = self.look(&Ray { origin, direction });
                 if self.kind(look.source) != Kind::Dark {
-                    missed.push([x, y].map(|at| at.clamp(0.0, 1.0 - 1e-12)));
+                    missed.push(at);
                 }
             }
         }

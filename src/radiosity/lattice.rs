@@ -36,6 +36,12 @@ impl<K: Hash + Eq, V> Default for Shards<K, V> {
 }
 
 impl<K: Hash + Eq, V> Shards<K, V> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        let lock = |shard: &Mutex<HashMap<K, _>>| shard.lock().unwrap_or_else(PoisonError::into_inner).len();
+        self.shards.iter().map(lock).sum()
+    }
+
     /// The place of a key, made if need be.
     pub fn at(&self, key: K) -> Arc<OnceLock<V>> {
         let shard = self.hasher.hash_one(&key) as usize % self.shards.len();

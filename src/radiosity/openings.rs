@@ -18,7 +18,7 @@ pub(super) struct Openings {
 }
 
 /// The most points that are kept: each costs a look at it from every place that does not see an opening around there.
-const MOST: usize = 200;
+const MOST: usize = 400;
 
 /// From so many patches openings are looked for.
 const LOOKERS: usize = 1000;

@@ -24,9 +24,10 @@ pub struct Detail {
     pub patch: f64,
     /// The most patches.
     pub patches: usize,
-    /// Rays from each patch.
+    /// Rays from all patches together; none sends fewer than [`FEW`].
     pub patch_rays: usize,
-    /// Points of each patch that sees the outside through small openings, from where these are looked at closely.
+    /// Points on patches from where openings are looked at closely: of all patches that see the outside through small openings, the
+    /// largest.
     pub patch_spots: usize,
 }
 
@@ -80,7 +81,9 @@ impl Transport {
         td("few");
         transport.openings = Openings::find(&transport, &lit);
         td("openings");
-        let rows = transport.rows(&lit, detail.patch_rays, detail.patch_spots);
+        let count = lit.iter().filter(|lit| **lit).count().max(1);
+        let rays = (detail.patch_rays / count).clamp(FEW, MANY);
+        let rows = transport.rows(&lit, rays, detail.patch_spots);
         td("rows");
         transport.exchange = Exchange::new(&transport.patches, rows);
         td("exchange");
@@ -90,6 +93,21 @@ impl Transport {
     /// What the wanted patches see along rays, by source: shares and what is let through of them.
     fn rows(&self, wanted: &[bool], rays: usize, spots: usize) -> Vec<Row> {
         let near = self.near(DVec3::ZERO);
+        // The largest patches have points of their own, those several times as large several.
+        let mut areas: Vec<f64> = (0..wanted.len())
+            .filter(|patch| wanted[*patch])
+            .map(|patch| self.patches.all[patch].area)
+            .collect();
+        areas.sort_unstable_by(|a, b| b.total_cmp(a));
+        let least = areas.get(spots).copied().unwrap_or(0.0);
+        let per_patch = (spots / areas.len().max(1)).clamp(1, 16);
+        let spots_of = |area: f64| {
+            if spots > 0 && area > least {
+                per_patch
+            } else {
+                0
+            }
+        };
         (0..self.patches.all.len())
             .into_par_iter()
             .map(|patch| {
@@ -105,6 +123,7 @@ impl Transport {
                         (look.source, share, share * look.through)
                     })
                     .collect();
+                let spots = spots_of(own.area);
                 if spots > 0 {
                     self.look_outside(&mut row, patch, spots);
                 }
@@ -222,8 +241,11 @@ const SPOT: Care = Care {
     outline: 0.05,
 };
 
-/// Rays by which it is found which patches light can reach at all.
-const FEW: usize = 16;
+/// Rays by which it is found which patches light can reach at all: the fewest of a patch.
+pub const FEW: usize = 16;
+
+/// The most rays of a patch.
+const MANY: usize = 4096;
 
 /// What a place sees of each source: its share, and the share of light that comes through.
 pub(super) type Row = Vec<(Source, f32, Vec3)>;
