@@ -266,22 +266,24 @@ impl Transport {
     }
 
     /// Points in openings, as they are seen before a surface: where a direction is free and the next one is blocked, the free ray
-    /// where the other one ends. Nothing from a place that sees much of the outside.
-    pub(super) fn openings_before(&self, point: DVec3, normal: DVec3) -> Vec<DVec3> {
+    /// where the farthest of those beside it ends. `None` from a place that sees much of the outside.
+    pub(super) fn openings_before(&self, point: DVec3, normal: DVec3) -> Option<Vec<DVec3>> {
         const SIDE: usize = 16;
         let origin = point + self.near(point) * normal;
         let map = Map::before(normal);
-        let at = |k: usize| (k as f64 + 0.5) / SIDE as f64;
         let looks: Vec<(DVec3, Look)> = (0..SIDE * SIDE)
             .map(|k| {
-                let direction = map.toward(at(k % SIDE), at(k / SIDE));
+                let (i, j) = (k % SIDE, k / SIDE);
+                let [x, y] = within_cell(0, i as u32, j as u32);
+                let at = |i: usize, x: f64| (i as f64 + x) / SIDE as f64;
+                let direction = map.toward(at(i, x), at(j, y));
                 (direction, self.look(&Ray { origin, direction }))
             })
             .collect();
-        let free = |k: usize| self.kind(looks[k].1.source) != Kind::Dark;
+        let free = |k: usize| self.is_bright(looks[k].1.source);
         let count = (0..looks.len()).filter(|k| free(*k)).count();
         if 2 * count > looks.len() {
-            return Vec::new();
+            return None;
         }
         let mut points = Vec::new();
         for k in (0..looks.len()).filter(|k| free(*k)) {
@@ -292,18 +294,22 @@ impl Transport {
                 Some(k + SIDE).filter(|k| *k < looks.len()),
             ];
             let blocked = beside.into_iter().flatten().filter(|k| !free(*k));
-            points.extend(blocked.map(|other| origin + looks[other].1.distance * looks[k].0));
+            let far = blocked
+                .map(|other| looks[other].1.distance)
+                .fold(0.0, f64::max);
+            if far > 0.0 && far.is_finite() {
+                points.push(origin + far * looks[k].0);
+            }
         }
-        points
+        Some(points)
     }
 
     /// What outlines are drawn between: surfaces, the sky, the ground outside.
     fn kind(&self, source: Source) -> Kind {
         match source {
-            Source::Patch(patch) if self.patches.is_ground(patch) => Kind::Ground,
-            Source::Nothing | Source::Patch(_) => Kind::Dark,
             Source::Sky(_) => Kind::Sky,
-            Source::OpenGround => Kind::Ground,
+            other if self.is_bright(other) => Kind::Ground,
+            _ => Kind::Dark,
         }
     }
 }

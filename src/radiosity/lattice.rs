@@ -38,7 +38,9 @@ impl<K: Hash + Eq, V> Default for Shards<K, V> {
 impl<K: Hash + Eq, V> Shards<K, V> {
     /// How many there are.
     pub fn len(&self) -> usize {
-        let lock = |shard: &Mutex<HashMap<K, _>>| shard.lock().unwrap_or_else(PoisonError::into_inner).len();
+        let lock = |shard: &Mutex<HashMap<K, _>>| {
+            shard.lock().unwrap_or_else(PoisonError::into_inner).len()
+        };
         self.shards.iter().map(lock).sum()
     }
 
