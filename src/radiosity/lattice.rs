@@ -325,6 +325,7 @@ fn nearest_on(polygon: &[DVec2], at: DVec2) -> DVec2 {
 impl Transport {
     /// What a surface sees from a point, by source.
     fn row(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Row {
+        super::transport::SEEN.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let arrivals = self.before(point, normal, facet);
         let entry = |a: super::Arrival| (a.source, a.share, a.share * a.through);
         let mut row: Row = arrivals.into_iter().map(entry).collect();
@@ -369,5 +370,13 @@ impl Light {
             received[which] += PI * through.as_dvec3() * self.radiance(*source);
         }
         received
+    }
+}
+impl Drop for Lattice {
+    fn drop(&mut self) {
+        if std::env::var("TD").is_ok() {
+            let divided = self.parts.iter().filter(|p| p.get().is_some()).count();
+            eprintln!("lattice: parts {divided} bent {} seen {} rays {}", self.bent.len(), super::transport::SEEN.load(std::sync::atomic::Ordering::Relaxed), super::transport::RAYS.load(std::sync::atomic::Ordering::Relaxed));
+        }
     }
 }

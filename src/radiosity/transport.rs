@@ -264,3 +264,4 @@ pub(super) fn merge(row: &mut Row) {
 }
 
 pub static RAYS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+pub static SEEN: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
