@@ -2,8 +2,9 @@
 
 use super::definition::Effect;
 use super::{
-    air_shadow, compose, shadow, shafts_epipolar, shafts_march, shafts_planes, shafts_prefiltered,
-    shafts_rectified, sky_dome, sun_disc, surface_sky, surface_sun, transmittance, visibility,
+    air_shadow, air_sky, compose, shadow, shafts_epipolar, shafts_march, shafts_planes,
+    shafts_prefiltered, shafts_rectified, sky_dome, sun_disc, surface_sky, surface_sun,
+    transmittance, visibility,
 };
 
 /// Every effect, in the order in which they run: each after those whose fields it reads.
@@ -20,6 +21,7 @@ pub const ALL: &[&Effect] = &[
     &shafts_prefiltered::SHAFTS_PREFILTERED,
     &shafts_march::SHAFTS_MARCH,
     &shafts_planes::SHAFTS_PLANES,
+    &air_sky::AIR_SKY,
     &air_shadow::AIR_SHADOW,
     &compose::COMPOSE,
 ];

@@ -1,0 +1,233 @@
+//! What the air near a scene's surfaces sends toward the eye.
+//!
+//! J is found at points of the [`Lattice`] and interpolated between those of a cell that the place itself sees, so that no light
+//! comes through a wall from the cells behind it. The farther from the eye, the wider the lattice; two levels are blended where
+//! one gives way to the next, so that nothing jumps when the eye moves. Close to the eye, where the direction from the eye differs
+//! across a cell, the light that comes to the eye itself is taken, in the direction of the ray.
+
+use super::lattice::{Lattice, Place, level_of};
+use super::shards::Shards;
+use super::source::{Lit, Lobes};
+use crate::conditions::Conditions;
+use crate::medium::Air;
+use crate::radiosity::light::Light;
+use crate::scene::{Projection, Ray};
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
+const SEEN: f64 = 0.3;
+
+/// No coarser than this share of a mean free path of light.
+const OF_FREE_PATH: f64 = 0.5;
+
+/// Where rays come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Eye {
+    /// One place [m].
+    At(DVec3),
+    /// Everywhere, in one direction; the height of what is seen [m].
+    Parallel(DVec3, f64),
+}
+
+impl Eye {
+    /// The eye of a view.
+    pub fn new(conditions: &Conditions) -> Self {
+        let camera = &conditions.view.camera;
+        match camera.projection {
+            Projection::Orthographic { height } => Eye::Parallel(camera.axes()[2], height),
+            Projection::Perspective { .. } | Projection::Panorama => Eye::At(camera.eye),
+        }
+    }
+}
+
+/// The least distance that counts for spacings [m]: half the harmonic mean of the distances at which directions from the eye meet
+/// something; where they meet nothing, `otherwise`.
+pub fn surroundings(conditions: &Conditions, eye: Eye, otherwise: f64) -> f64 {
+    const DIRECTIONS: usize = 256;
+    let Eye::At(origin) = eye else {
+        return otherwise;
+    };
+    let nearness = |i: usize| {
+        // Fibonacci's lattice on the sphere.
+        let y = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
+        let (sin, cos) = (PI * (3.0 - 5f64.sqrt()) * i as f64).sin_cos();
+        let level = (1.0 - y * y).sqrt();
+        let direction = DVec3::new(level * cos, y, level * sin);
+        let hit = conditions
+            .geometry
+            .closest(&Ray { origin, direction }, 0.0, f64::INFINITY);
+        let ground = conditions.ground.filter(|ground| origin.y > ground.height);
+        match (hit, ground) {
+            (Some(hit), _) => 1.0 / hit.distance,
+            (None, Some(ground)) if y < 0.0 => -y / (origin.y - ground.height),
+            _ => 0.0,
+        }
+    };
+    let mean = (0..DIRECTIONS).map(nearness).sum::<f64>() / DIRECTIONS as f64;
+    (0.5 / mean).min(otherwise)
+}
+
+/// J near the scene's surfaces, for one eye and moment.
+pub struct Enclosed {
+    lattice: Arc<Lattice>,
+    light: Arc<Light>,
+    lobes: Arc<Lobes>,
+    air: Air,
+    eye: Eye,
+    /// Spacing as a share of the distance from the eye.
+    share: f64,
+    /// The distance from the eye within which spacings do not shrink [m].
+    near: f64,
+    at_eye: Vec<Lit>,
+    points: Shards<Place, Vec<DVec3>>,
+    cells: Shards<Place, Cell>,
+}
+
+/// A cell of the lattice.
+struct Cell {
+    is_open: bool,
+    /// J at the corners, kind by kind.
+    corners: [Vec<DVec3>; 8],
+}
+
+impl Enclosed {
+    pub fn new(
+        lattice: Arc<Lattice>,
+        light: Arc<Light>,
+        lobes: Arc<Lobes>,
+        conditions: &Conditions,
+        share: f64,
+        near: f64,
+    ) -> Self {
+        let eye = Eye::new(conditions);
+        let at_eye = match eye {
+            Eye::At(eye) => lit(&lattice.transport.around(eye), &light),
+            Eye::Parallel(..) => Vec::new(),
+        };
+        Enclosed {
+            lattice,
+            light,
+            lobes,
+            air: conditions.air.clone(),
+            eye,
+            share,
+            near,
+            at_eye,
+            points: Shards::new(),
+            cells: Shards::new(),
+        }
+    }
+
+    /// J of each kind of media at a place that the eye sees in this direction [cd/m2].
+    pub fn source(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let (distance, reach) = match self.eye {
+            Eye::At(eye) => {
+                let distance = place.distance(eye);
+                (distance, distance.max(self.near))
+            }
+            Eye::Parallel(_, height) => (f64::INFINITY, 0.5 * height),
+        };
+        let widest = self.share * reach;
+        let free = OF_FREE_PATH / self.air.extinction_at(place).max_element();
+        let spacing = free.clamp(0.25 * widest, widest);
+        let eyes = 1.0 - smooth((distance / spacing - 1.0) / 1.5);
+        let mut sum = match eyes > 0.0 {
+            true => self.lobes.source(&self.at_eye, direction),
+            false => Vec::new(),
+        };
+        if eyes >= 1.0 {
+            return sum;
+        }
+        sum.iter_mut().for_each(|j| *j *= eyes);
+        let level = level_of(spacing);
+        let coarser = smooth(2.0 * (level - level.floor()) - 1.0);
+        for (level, part) in [
+            (level.floor(), 1.0 - coarser),
+            (level.floor() + 1.0, coarser),
+        ] {
+            if part > 0.0 {
+                let part = part * (1.0 - eyes);
+                self.add_level(place, direction, level as i32, part, &mut sum);
+            }
+        }
+        sum
+    }
+
+    /// Adds J from a level of the lattice.
+    fn add_level(
+        &self,
+        place: DVec3,
+        direction: DVec3,
+        level: i32,
+        part: f64,
+        sum: &mut Vec<DVec3>,
+    ) {
+        let (cell, at) = Place::around(place, level);
+        let slot = self.cells.place(cell);
+        let found = slot.get_or_init(|| Cell {
+            is_open: self.lattice.is_open(cell),
+            corners: cell.corners().map(|corner| self.at_point(corner)),
+        });
+        sum.resize(found.corners[0].len(), DVec3::ZERO);
+        let weights: [f64; 8] = std::array::from_fn(|corner| {
+            let along = |axis: usize| match corner >> axis & 1 {
+                0 => 1.0 - at[axis],
+                _ => at[axis],
+            };
+            along(0) * along(1) * along(2)
+        });
+        let mut weights = weights;
+        if !found.is_open {
+            for (weight, corner) in weights.iter_mut().zip(cell.corners()) {
+                if !self.lattice.sees(place, corner.position()) {
+                    *weight = 0.0;
+                }
+            }
+        }
+        let seen: f64 = weights.iter().sum();
+        let own = 1.0 - smooth(2.0 * seen / SEEN - 1.0);
+        if own > 0.0 {
+            let lit = lit(&self.lattice.transport.around(place), &self.light);
+            for (sum, j) in sum.iter_mut().zip(self.lobes.source(&lit, direction)) {
+                *sum += own * part * j;
+            }
+        }
+        if own < 1.0 {
+            for (corner, weight) in found.corners.iter().zip(&weights) {
+                let weight = (1.0 - own) * part * weight / seen;
+                for (sum, j) in sum.iter_mut().zip(corner) {
+                    *sum += weight * *j;
+                }
+            }
+        }
+    }
+
+    /// J at a point of the lattice.
+    fn at_point(&self, point: Place) -> Vec<DVec3> {
+        let slot = self.points.place(point);
+        slot.get_or_init(|| {
+            let direction = match self.eye {
+                Eye::At(eye) => (point.position() - eye).normalize_or(DVec3::NEG_Z),
+                Eye::Parallel(direction, _) => direction,
+            };
+            let lit = lit(&self.lattice.arrivals(point), &self.light);
+            self.lobes.source(&lit, direction)
+        })
+        .clone()
+    }
+}
+
+fn lit(arrivals: &[crate::radiosity::arrival::Arrival], light: &Light) -> Vec<Lit> {
+    arrivals
+        .iter()
+        .map(|arrival| Lit::new(arrival, light))
+        .collect()
+}
+
+/// 0 below 0, 1 above 1, and without a kink between.
+pub fn smooth(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
