@@ -187,21 +187,44 @@ impl Enclosed {
             }
         }
         let seen: f64 = weights.iter().sum();
-        let own = 1.0 - smooth(2.0 * seen / SEEN - 1.0);
-        if own > 0.0 {
-            let lit = lit(&self.lattice.transport.around(place), &self.light);
-            for (sum, j) in sum.iter_mut().zip(self.lobes.source(&lit, direction)) {
-                *sum += own * part * j;
-            }
+        // Where little of the cell is seen, places around it help, and if none of those is seen either, the place itself.
+        let other = 1.0 - smooth(2.0 * seen / SEEN - 1.0);
+        if other > 0.0 {
+            let found = self
+                .from_wider(place, cell, at)
+                .unwrap_or_else(|| self.alone(place, direction));
+            add(sum, &found, other * part);
         }
-        if own < 1.0 {
+        if other < 1.0 {
             for (corner, weight) in found.corners.iter().zip(&weights) {
-                let weight = (1.0 - own) * part * weight / seen;
-                for (sum, j) in sum.iter_mut().zip(corner) {
-                    *sum += weight * *j;
-                }
+                add(sum, corner, (1.0 - other) * part * weight / seen);
             }
         }
+    }
+
+    /// J from the points of the lattice within two spacings of a place that it sees.
+    fn from_wider(&self, place: DVec3, cell: Place, at: DVec3) -> Option<Vec<DVec3>> {
+        let mut sum = Vec::new();
+        let mut seen = 0.0;
+        for (point, offset) in cell.surroundings() {
+            let apart = (offset - at).abs();
+            let weight = (2.0 - apart).max(DVec3::ZERO);
+            let weight = weight.x * weight.y * weight.z;
+            if weight > 0.0 && self.lattice.sees(place, point.position()) {
+                let source = self.at_point(point);
+                sum.resize(source.len(), DVec3::ZERO);
+                add(&mut sum, &source, weight);
+                seen += weight;
+            }
+        }
+        sum.iter_mut().for_each(|j| *j /= seen);
+        (seen > 0.0).then_some(sum)
+    }
+
+    /// J from what comes to the place itself.
+    fn alone(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let lit = lit(&self.lattice.transport.around(place), &self.light);
+        self.lobes.source(&lit, direction)
     }
 
     /// J at a point of the lattice.
@@ -216,6 +239,12 @@ impl Enclosed {
             self.lobes.source(&lit, direction)
         })
         .clone()
+    }
+}
+
+fn add(sum: &mut [DVec3], values: &[DVec3], weight: f64) {
+    for (sum, value) in sum.iter_mut().zip(values) {
+        *sum += weight * *value;
     }
 }
 

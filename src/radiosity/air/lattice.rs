@@ -52,6 +52,20 @@ impl Place {
             at: std::array::from_fn(|axis| self.at[axis] + (corner >> axis & 1) as i64),
         })
     }
+
+    /// The corners of the cell and those of the cells around it, and where they are in it, -1 to 2.
+    pub fn surroundings(&self) -> impl Iterator<Item = (Place, DVec3)> {
+        let place = *self;
+        (0..64i64).map(move |i| {
+            let offset = [i % 4 - 1, i / 4 % 4 - 1, i / 16 - 1];
+            let at = std::array::from_fn(|axis| place.at[axis] + offset[axis]);
+            let level = place.level;
+            (
+                Place { level, at },
+                DVec3::from_array(offset.map(|v| v as f64)),
+            )
+        })
+    }
 }
 
 /// The spacing of a level [m].

@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 use std::sync::{Arc, OnceLock};
 
 /// A cell is divided where means differ by more than this share.
-const DIFFERENCE: f64 = 0.03;
+const DIFFERENCE: f64 = 0.05;
 
 /// Corners that know enough must carry this share of the weight.
 const KNOWN: f64 = 0.2;
