@@ -42,7 +42,7 @@ impl Eye {
     }
 }
 
-/// The least distance that counts for spacings [m]: half the harmonic mean of the distances at which directions from the eye meet
+/// The least distance that counts for spacings [m]: the harmonic mean of the distances at which directions from the eye meet
 /// something; where they meet nothing, `otherwise`.
 pub fn surroundings(conditions: &Conditions, eye: Eye, otherwise: f64) -> f64 {
     const DIRECTIONS: usize = 256;
@@ -66,7 +66,7 @@ pub fn surroundings(conditions: &Conditions, eye: Eye, otherwise: f64) -> f64 {
         }
     };
     let mean = (0..DIRECTIONS).map(nearness).sum::<f64>() / DIRECTIONS as f64;
-    (0.5 / mean).min(otherwise)
+    (1.0 / mean).min(otherwise)
 }
 
 /// J near the scene's surfaces, for one eye and moment.

@@ -29,6 +29,7 @@ pub struct Picture {
     knots: Knots,
     /// Pixels along each side of an undivided cell, and such cells in a row.
     step: u32,
+    least: u32,
     cells_in_row: u32,
     cells: Vec<OnceLock<Cell>>,
     columns: Shards<[u32; 2], Column>,
@@ -64,6 +65,7 @@ impl Picture {
             sight: Sight::new(&conditions.air),
             knots,
             step,
+            least: (step / 8).max(1),
             cells_in_row,
             cells: std::iter::repeat_with(OnceLock::new).take(count).collect(),
             columns: Shards::new(),
@@ -183,7 +185,7 @@ impl Picture {
             .filter_map(|i| column(i).map(|c| c.end))
             .fold(0.0, f64::max);
         let means = std::array::from_fn(|i| self.means(corners[i], step, farthest));
-        let is_even = step < 2 || self.is_even([x + step / 2, y + step / 2], &means);
+        let is_even = step <= self.least || self.is_even([x + step / 2, y + step / 2], &means);
         Cell {
             corner,
             step,
