@@ -162,10 +162,8 @@ fn compare(view: &View, samples: u32) {
 fn trials() -> Vec<(Quality, Vec<(&'static str, f64)>)> {
     vec![
         (Quality::Preview, vec![]),
-        (Quality::Preview, vec![("rays", 4096.0)]),
-        (Quality::Preview, vec![("rays", 4096.0), ("spacing", 0.2)]),
-        (Quality::Preview, vec![("rays", 4096.0), ("spacing", 0.06)]),
-        (Quality::High, vec![("rays", 4096.0)]),
+        (Quality::Preview, vec![("rays", 1024.0)]),
+        (Quality::Preview, vec![("spacing", 0.12)]),
     ]
 }
 

@@ -36,7 +36,7 @@ pub const AIR_SKY: Effect = Effect {
         Knob {
             name: "spacing",
             meaning: "distance of places at which the air's light is found, as a share of their distance from the eye",
-            values: [0.2, 0.12, 0.08, 0.05],
+            values: [0.4, 0.25, 0.16, 0.1],
             range: [0.01, 1.0],
         },
         Knob {

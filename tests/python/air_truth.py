@@ -5,7 +5,7 @@ Greenstein), `sky` (rows from horizon to zenith, columns by azimuth from +X towa
 nothing comes from below), `camera` (eye, right, up, forward, tangents of half the width and height), `size`, `block`: pixels
 along each side of what a mean is taken over, `samples` a block. JSON out: the means of two halves, block by block.
 
-A sample is a place of the block, a place of its ray, a direction from there, and a path over diffuse surfaces until it comes to
+A sample is a pixel of the block, a place of its ray, a direction from there, and a path over diffuse surfaces until it comes to
 the sky. Media weaken every leg. The first five numbers of a sample are a Kronecker sequence, shifted by chance in each block
 and half; what a path does at surfaces is random.
 """
@@ -32,20 +32,36 @@ sky = np.array(task["sky"], dtype=np.float32)
 rows, columns = sky.shape
 table = mi.Float(sky.ravel())
 camera = task["camera"]
-eye, right, up, forward = (mi.Vector3f(*camera[k]) for k in ["eye", "right", "up", "forward"])
 boxes = task["boxes"]
 BOUNCES = 64
 BATCH = 1 << 21
 
 
+# drjit's own minimum, maximum and atan2 need a newer LLVM than many systems have.
+def least(a, b):
+    return dr.select(a < b, a, b)
+
+
+def most(a, b):
+    return dr.select(a > b, a, b)
+
+
+def on_sphere(u, v):
+    """Directions of even density."""
+    z = 2 * u - 1
+    level = dr.sqrt(most(0, 1 - z * z))
+    return mi.Vector3f(level * dr.cos(2 * dr.pi * v), z, level * dr.sin(2 * dr.pi * v))
+
+
 def chord(box, origin, direction, end):
     """Where a ray enters and leaves a box, at most `end` away; the same twice where it does not."""
     low, high = mi.Vector3f(*box["min"]), mi.Vector3f(*box["max"])
-    safe = dr.select(dr.abs(direction) < 1e-9, 1e-9, direction)
-    a, b = (low - origin) / safe, (high - origin) / safe
-    enter = dr.maximum(dr.max(dr.minimum(a, b)), 0)
-    leave = dr.minimum(dr.min(dr.maximum(a, b)), end)
-    return enter, dr.maximum(enter, leave)
+    enter, leave = mi.Float(0), end
+    for axis in range(3):
+        along = dr.select(dr.abs(direction[axis]) < 1e-9, 1e-9, direction[axis])
+        a, b = (low[axis] - origin[axis]) / along, (high[axis] - origin[axis]) / along
+        enter, leave = most(enter, least(a, b)), least(leave, most(a, b))
+    return enter, most(enter, leave)
 
 
 def through(origin, direction, distance):
@@ -64,10 +80,13 @@ def phase(g, mu):
 
 def radiance(direction):
     """Of the sky."""
-    y = dr.clip(dr.asin(dr.clip(direction.y, 0, 1)) / (dr.pi / 2), 0, 1) * (rows - 1)
-    x = dr.atan2(direction.z, direction.x) / (2 * dr.pi)
-    x = (x - dr.floor(x)) * columns
-    i = dr.minimum(mi.UInt32(y), rows - 2)
+    up = most(0, least(direction.y, 0.9999999))
+    y = dr.asin(up) / (dr.pi / 2) * (rows - 1)
+    level = dr.sqrt(1 - up * up)
+    angle = dr.acos(most(-1, least(1, direction.x / level))) / (2 * dr.pi)
+    x = dr.select(direction.z >= 0, angle, 1 - angle) * columns
+    i = mi.UInt32(y)
+    i = dr.select(i < rows - 2, i, rows - 2)
     j = mi.UInt32(x) % columns
     f, h = y - mi.Float(i), x - dr.floor(x)
     at = lambda i, j: dr.gather(mi.Float, table, i * columns + j % columns)
@@ -90,7 +109,7 @@ def incoming(origin, direction, sampler):
         if not dr.any(weight > 0):
             break
         # Dark paths end by chance.
-        going = dr.minimum(1, weight)
+        going = least(1, weight)
         weight = dr.select(sampler.next_1d() < going, weight / going, 0)
         vertex = lambda k: dr.gather(
             mi.Point3f, parameters["vertex_positions"], 3 * hit.prim_index + k, met
@@ -99,14 +118,16 @@ def incoming(origin, direction, sampler):
         normal = dr.normalize(dr.cross(vertex(1) - a, vertex(2) - a))
         normal = dr.select(dr.dot(normal, direction) > 0, -normal, normal)
         origin = origin + distance * direction + 1e-4 * normal
-        local = mi.warp.square_to_cosine_hemisphere(sampler.next_2d())
-        direction = mi.Frame3f(normal).to_world(local)
+        direction = dr.normalize(normal + on_sphere(sampler.next_1d(), sampler.next_1d()))
         dr.eval(origin, direction, weight, found)
     return found
 
 
 def sample(block, number, shift, sampler):
     """Light of one sample of each block."""
+    eye, right, up, forward = (
+        mi.Vector3f(*camera[name]) for name in ["eye", "right", "up", "forward"]
+    )
     # Powers of the root of x^6 = x + 1 (Roberts 2018).
     root = 1.1347241384015194
     steps = [int((1 / root ** (k + 1)) * 2**32) for k in range(5)]
@@ -117,8 +138,9 @@ def sample(block, number, shift, sampler):
     width, height = task["size"]
     side = task["block"]
     across = width // side
-    x = (mi.Float(block % across) + u[0]) * side / width * 2 - 1
-    y = 1 - (mi.Float(block // across) + u[1]) * side / height * 2
+    # The centres of pixels.
+    x = (mi.Float(block % across) * side + dr.floor(u[0] * side) + 0.5) / width * 2 - 1
+    y = 1 - (mi.Float(block // across) * side + dr.floor(u[1] * side) + 0.5) / height * 2
     direction = dr.normalize(
         forward + right * (x * camera["tan_x"]) + up * (y * camera["tan_y"])
     )
@@ -127,15 +149,12 @@ def sample(block, number, shift, sampler):
     enter, leave = mi.Float(dr.inf), mi.Float(0)
     for box in boxes:
         a, b = chord(box, eye, direction, end)
-        enter = dr.select(b > a, dr.minimum(enter, a), enter)
-        leave = dr.select(b > a, dr.maximum(leave, b), leave)
-    length = dr.maximum(leave - enter, 0)
-    length = dr.select(dr.isfinite(length), length, 0)
+        enter = dr.select(b > a, least(enter, a), enter)
+        leave = dr.select(b > a, most(leave, b), leave)
+    length = dr.select(leave > enter, leave - enter, 0)
     t = dr.select(length > 0, enter + u[2] * length, 0)
     place = eye + t * direction
-    z = 2 * u[3] - 1
-    level = dr.sqrt(dr.maximum(0, 1 - z * z))
-    toward = mi.Vector3f(level * dr.cos(2 * dr.pi * u[4]), z, level * dr.sin(2 * dr.pi * u[4]))
+    toward = on_sphere(u[3], u[4])
     mu = dr.dot(direction, toward)
     source = mi.Float(0)
     for box in boxes:

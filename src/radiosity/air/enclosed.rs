@@ -5,7 +5,7 @@
 //! one gives way to the next, so that nothing jumps when the eye moves. Close to the eye, where the direction from the eye differs
 //! across a cell, the light that comes to the eye itself is taken, in the direction of the ray.
 
-use super::lattice::{Lattice, Place, level_of};
+use super::lattice::{Lattice, PAIRS, Place, level_of, spacing};
 use super::shards::Shards;
 use super::source::{Lit, Lobes};
 use crate::conditions::Conditions;
@@ -14,10 +14,20 @@ use crate::radiosity::light::Light;
 use crate::scene::{Projection, Ray};
 use glam::DVec3;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
 const SEEN: f64 = 0.3;
+
+/// A cell is finer where J differs by so much between its corners, as a share of J and times the share of the distance from the eye
+/// that the cell is, ...
+const UNEVEN: f64 = 0.015;
+
+/// ... but not finer than this share of that distance.
+const FINEST: f64 = 0.015;
+
+/// Where J is less than this share of that at the eye, its differences matter less.
+const DARK: f64 = 0.3;
 
 /// No coarser than this share of a mean free path of light.
 const OF_FREE_PATH: f64 = 0.5;
@@ -81,15 +91,20 @@ pub struct Enclosed {
     /// The distance from the eye within which spacings do not shrink [m].
     near: f64,
     at_eye: Vec<Lit>,
+    /// The greatest J at the eye in any direction that was looked at, roughly.
+    bright: f64,
     points: Shards<Place, Vec<DVec3>>,
     cells: Shards<Place, Cell>,
 }
 
 /// A cell of the lattice.
 struct Cell {
-    is_open: bool,
-    /// J at the corners, kind by kind.
-    corners: [Vec<DVec3>; 8],
+    pairs: u16,
+    /// J at the corners, kind by kind, where it was asked for.
+    corners: [OnceLock<Vec<DVec3>>; 8],
+    /// The greatest difference of J between corners that see each other, and its mean over those.
+    difference: f64,
+    mean: f64,
 }
 
 impl Enclosed {
@@ -106,7 +121,12 @@ impl Enclosed {
             Eye::At(eye) => lit(&lattice.transport.around(eye), &light),
             Eye::Parallel(..) => Vec::new(),
         };
+        let bright = lobes
+            .source(&at_eye, DVec3::NEG_Z)
+            .iter()
+            .fold(0.0, |most: f64, j| most.max(j.max_element()));
         Enclosed {
+            bright,
             lattice,
             light,
             lobes,
@@ -131,8 +151,8 @@ impl Enclosed {
         };
         let widest = self.share * reach;
         let free = OF_FREE_PATH / self.air.extinction_at(place).max_element();
-        let spacing = free.clamp(0.25 * widest, widest);
-        let eyes = 1.0 - smooth((distance / spacing - 1.0) / 1.5);
+        let widest = free.clamp(0.25 * widest, widest);
+        let eyes = 1.0 - smooth((distance / widest - 1.0) / 1.5);
         let mut sum = match eyes > 0.0 {
             true => self.lobes.source(&self.at_eye, direction),
             false => Vec::new(),
@@ -141,7 +161,7 @@ impl Enclosed {
             return sum;
         }
         sum.iter_mut().for_each(|j| *j *= eyes);
-        let level = level_of(spacing);
+        let level = level_of(widest);
         let coarser = smooth(2.0 * (level - level.floor()) - 1.0);
         for (level, part) in [
             (level.floor(), 1.0 - coarser),
@@ -149,55 +169,101 @@ impl Enclosed {
         ] {
             if part > 0.0 {
                 let part = part * (1.0 - eyes);
-                self.add_level(place, direction, level as i32, part, &mut sum);
+                self.add_level(place, direction, level as i32, [reach, part], &mut sum);
             }
         }
         sum
     }
 
-    /// Adds J from a level of the lattice.
+    /// Adds J from a level of the lattice, or from finer ones where it is uneven.
     fn add_level(
         &self,
         place: DVec3,
         direction: DVec3,
         level: i32,
+        [reach, part]: [f64; 2],
+        sum: &mut Vec<DVec3>,
+    ) {
+        let (number, at) = Place::around(place, level);
+        let slot = self.cells.place(number);
+        let cell = slot.get_or_init(|| self.cell(number));
+        let wide = spacing(level) / reach;
+        let uneven = cell.difference * wide / cell.mean.max(DARK * self.bright);
+        let finer = match wide > 2.0 * FINEST {
+            true => smooth(2.0 * (uneven / UNEVEN - 1.0)),
+            false => 0.0,
+        };
+        if finer > 0.0 {
+            self.add_level(place, direction, level - 1, [reach, part * finer], sum);
+        }
+        if finer < 1.0 {
+            self.add_cell(
+                place,
+                direction,
+                (number, cell, at),
+                part * (1.0 - finer),
+                sum,
+            );
+        }
+    }
+
+    fn cell(&self, number: Place) -> Cell {
+        let pairs = self.lattice.pairs(number);
+        let corners: [OnceLock<Vec<DVec3>>; 8] = Default::default();
+        let places = number.corners();
+        let value = |corner: usize| corners[corner].get_or_init(|| self.at_point(places[corner]));
+        let (mut difference, mut sum, mut count) = (0.0f64, 0.0, 0.0);
+        for (i, (a, b)) in PAIRS.into_iter().enumerate() {
+            if pairs >> i & 1 == 1 {
+                for (a, b) in value(a).iter().zip(value(b)) {
+                    difference = difference.max((*a - *b).abs().max_element());
+                    sum += 0.5 * (*a + *b).max_element();
+                    count += 1.0;
+                }
+            }
+        }
+        Cell {
+            pairs,
+            corners,
+            difference,
+            mean: sum / f64::max(count, 1.0),
+        }
+    }
+
+    /// Adds J from the corners of a cell that the place sees.
+    fn add_cell(
+        &self,
+        place: DVec3,
+        direction: DVec3,
+        (number, cell, at): (Place, &Cell, DVec3),
         part: f64,
         sum: &mut Vec<DVec3>,
     ) {
-        let (cell, at) = Place::around(place, level);
-        let slot = self.cells.place(cell);
-        let found = slot.get_or_init(|| Cell {
-            is_open: self.lattice.is_open(cell),
-            corners: cell.corners().map(|corner| self.at_point(corner)),
-        });
-        sum.resize(found.corners[0].len(), DVec3::ZERO);
+        let corners = number.corners();
         let weights: [f64; 8] = std::array::from_fn(|corner| {
             let along = |axis: usize| match corner >> axis & 1 {
                 0 => 1.0 - at[axis],
                 _ => at[axis],
             };
-            along(0) * along(1) * along(2)
+            let seen =
+                cell.pairs == u16::MAX || self.lattice.sees(place, corners[corner].position());
+            f64::from(u8::from(seen)) * along(0) * along(1) * along(2)
         });
-        let mut weights = weights;
-        if !found.is_open {
-            for (weight, corner) in weights.iter_mut().zip(cell.corners()) {
-                if !self.lattice.sees(place, corner.position()) {
-                    *weight = 0.0;
-                }
-            }
-        }
         let seen: f64 = weights.iter().sum();
         // Where little of the cell is seen, places around it help, and if none of those is seen either, the place itself.
         let other = 1.0 - smooth(2.0 * seen / SEEN - 1.0);
         if other > 0.0 {
             let found = self
-                .from_wider(place, cell, at)
+                .from_wider(place, number, at)
                 .unwrap_or_else(|| self.alone(place, direction));
             add(sum, &found, other * part);
         }
         if other < 1.0 {
-            for (corner, weight) in found.corners.iter().zip(&weights) {
-                add(sum, corner, (1.0 - other) * part * weight / seen);
+            for (corner, weight) in weights.iter().enumerate() {
+                if *weight > 0.0 {
+                    let found = cell.corners[corner].get_or_init(|| self.at_point(corners[corner]));
+                    add(sum, found, (1.0 - other) * part * weight / seen);
+                }
             }
         }
     }
@@ -212,7 +278,6 @@ impl Enclosed {
             let weight = weight.x * weight.y * weight.z;
             if weight > 0.0 && self.lattice.sees(place, point.position()) {
                 let source = self.at_point(point);
-                sum.resize(source.len(), DVec3::ZERO);
                 add(&mut sum, &source, weight);
                 seen += weight;
             }
@@ -229,6 +294,7 @@ impl Enclosed {
 
     /// J at a point of the lattice.
     fn at_point(&self, point: Place) -> Vec<DVec3> {
+        let point = point.coarsest();
         let slot = self.points.place(point);
         slot.get_or_init(|| {
             let direction = match self.eye {
@@ -242,7 +308,8 @@ impl Enclosed {
     }
 }
 
-fn add(sum: &mut [DVec3], values: &[DVec3], weight: f64) {
+fn add(sum: &mut Vec<DVec3>, values: &[DVec3], weight: f64) {
+    sum.resize(values.len(), DVec3::ZERO);
     for (sum, value) in sum.iter_mut().zip(values) {
         *sum += weight * *value;
     }

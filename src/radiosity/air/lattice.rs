@@ -1,6 +1,6 @@
 //! Places of the air that stand still in the world, and what comes to them from all sides.
 //!
-//! For each level there is a cubic lattice, of twice the spacing of the one below. Its points do not move with the eye, so that
+//! For each level there is a cubic lattice, of twice the spacing of the one below, which has all its points. Its points do not move with the eye, so that
 //! pictures from neighbouring places agree; they are made when they are first needed, and what comes to them is kept.
 
 use super::shards::Shards;
@@ -11,11 +11,32 @@ use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Spacing of level 0 [m]. No round number, so that no point lies in a wall that stands at one.
+/// Spacing of level 0 [m].
 const UNIT: f64 = 0.968_245_836_551_854;
 
-/// Where the lattice of each level begins, in its spacings.
+/// A point of the lattices of all levels, in units of level 0. Like these no round number, so that no point lies in a wall that
+/// stands at one.
 const START: DVec3 = DVec3::new(0.381_966, 0.276_393, 0.434_17);
+
+/// Pairs of corners of a cell: those of an edge, and those of a diagonal.
+pub const PAIRS: [(usize, usize); 16] = [
+    (0, 1),
+    (2, 3),
+    (4, 5),
+    (6, 7),
+    (0, 2),
+    (1, 3),
+    (4, 6),
+    (5, 7),
+    (0, 4),
+    (1, 5),
+    (2, 6),
+    (3, 7),
+    (0, 7),
+    (1, 6),
+    (2, 5),
+    (3, 4),
+];
 
 /// What arrivals may take in memory [bytes]; beyond that they are found anew for another moment.
 const MOST: usize = 1 << 29;
@@ -30,7 +51,7 @@ pub struct Place {
 impl Place {
     /// The cell of a level that holds a point, and where in it the point is, 0 to 1.
     pub fn around(point: DVec3, level: i32) -> (Place, DVec3) {
-        let position = point / spacing(level) - START;
+        let position = (point - UNIT * START) / spacing(level);
         let cell = position.floor();
         let place = Place {
             level,
@@ -42,7 +63,17 @@ impl Place {
     /// Where it is [m].
     pub fn position(&self) -> DVec3 {
         let [x, y, z] = self.at.map(|v| v as f64);
-        spacing(self.level) * (DVec3::new(x, y, z) + START)
+        UNIT * START + spacing(self.level) * DVec3::new(x, y, z)
+    }
+
+    /// The same point, as one of the coarsest lattice that has it.
+    pub fn coarsest(mut self) -> Place {
+        const HIGHEST: i32 = 60;
+        while self.level < HIGHEST && self.at.iter().all(|v| v % 2 == 0) {
+            self.at = self.at.map(|v| v / 2);
+            self.level += 1;
+        }
+        self
     }
 
     /// The corners of the cell; bits 0, 1 and 2 of their number tell whether they are the farther ones along x, y and z.
@@ -69,7 +100,7 @@ impl Place {
 }
 
 /// The spacing of a level [m].
-fn spacing(level: i32) -> f64 {
+pub fn spacing(level: i32) -> f64 {
     UNIT * f64::from(level).exp2()
 }
 
@@ -84,7 +115,7 @@ pub struct Lattice {
     pub transport: Arc<Transport>,
     geometry: Arc<Geometry>,
     arrivals: Shards<Place, Option<Arc<Vec<Arrival>>>>,
-    open: Shards<Place, bool>,
+    pairs: Shards<Place, u16>,
     bytes: AtomicUsize,
 }
 
@@ -95,7 +126,7 @@ impl Lattice {
             transport,
             geometry,
             arrivals: Shards::new(),
-            open: Shards::new(),
+            pairs: Shards::new(),
             bytes: AtomicUsize::new(0),
         }
     }
@@ -117,25 +148,19 @@ impl Lattice {
         }
     }
 
-    /// Whether nothing stands between the corners of a cell: along its edges and its diagonals.
-    pub fn is_open(&self, cell: Place) -> bool {
-        *self.open.place(cell).get_or_init(|| {
+    /// Which of the [`PAIRS`] of a cell's corners see each other, bit by bit.
+    pub fn pairs(&self, cell: Place) -> u16 {
+        *self.pairs.place(cell).get_or_init(|| {
             let corners = cell.corners().map(|corner| corner.position());
             let (low, high) = self.geometry.bounds();
             if self.geometry.triangle_count() == 0
                 || corners[0].cmpgt(high).any()
                 || corners[7].cmplt(low).any()
             {
-                return true;
+                return u16::MAX;
             }
-            let edges = (0..8usize).flat_map(|a| {
-                let along = (0..3).map(move |axis| (a, a | 1 << axis));
-                along.filter(|(a, b)| a != b)
-            });
-            let diagonals = (0..4usize).map(|a| (a, 7 - a));
-            edges
-                .chain(diagonals)
-                .all(|(a, b)| self.sees(corners[a], corners[b]))
+            let seen = PAIRS.map(|(a, b)| self.sees(corners[a], corners[b]));
+            (0..16).map(|i| u16::from(seen[i]) << i).sum()
         })
     }
 
@@ -170,6 +195,8 @@ mod tests {
                 let corners = cell.corners();
                 let (low, high) = (corners[0].position(), corners[7].position());
                 assert!(low.cmple(point).all() && high.cmpge(point).all());
+                let same = corners[5].coarsest().position();
+                assert!((same - corners[5].position()).length() < 1e-9 * (1.0 + same.length()));
                 let back = low + share * (high - low);
                 assert!((back - point).length() < 1e-9 * (1.0 + point.length()));
             }

@@ -78,11 +78,14 @@ impl AirLight {
         let (share, knots) = match eye {
             Eye::At(place) => {
                 let dense = conditions.air.extinction_at(place).max_element();
-                (fineness.spacing, Knots::new(fineness.spacing, near, dense))
+                (
+                    fineness.spacing,
+                    Knots::new(0.5 * fineness.spacing, near, dense),
+                )
             }
             Eye::Parallel(_, height) => (
                 fineness.spacing,
-                Knots::new(fineness.spacing, 0.5 * height, 0.0),
+                Knots::new(0.5 * fineness.spacing, 0.5 * height, 0.0),
             ),
         };
         let open = OpenAir::new(conditions, &light, lobes.clone());
