@@ -162,8 +162,14 @@ fn compare(view: &View, samples: u32) {
 fn trials() -> Vec<(Quality, Vec<(&'static str, f64)>)> {
     vec![
         (Quality::Preview, vec![]),
-        (Quality::Preview, vec![("rays", 1024.0)]),
-        (Quality::Preview, vec![("spacing", 0.12)]),
+        (Quality::Preview, vec![("difference", 0.03)]),
+        (Quality::Preview, vec![("difference", 0.007)]),
+        (Quality::Preview, vec![("rays", 64.0)]),
+        (
+            Quality::Preview,
+            vec![("rays", 100.0), ("difference", 0.007)],
+        ),
+        (Quality::Preview, vec![("columns", 1.0)]),
     ]
 }
 

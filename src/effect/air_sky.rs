@@ -40,6 +40,12 @@ pub const AIR_SKY: Effect = Effect {
             range: [0.01, 1.0],
         },
         Knob {
+            name: "difference",
+            meaning: "difference of the air's light that finer places resolve, times the part of the way from the eye on which it is",
+            values: [0.04, 0.015, 0.006, 0.002],
+            range: [1e-4, 1.0],
+        },
+        Knob {
             name: "rays",
             meaning: "rays from each of these places, before outlines are refined",
             values: [144.0, 256.0, 576.0, 2304.0],
@@ -126,6 +132,7 @@ fn air_light(
     let fineness = Fineness {
         columns: settings.get("columns"),
         spacing: settings.get("spacing"),
+        difference: settings.get("difference"),
     };
     Some(kept.get(&PICTURE, conditions, settings, || {
         AirLight::new(conditions, lattice, light, fineness)

@@ -19,11 +19,7 @@ use std::sync::{Arc, OnceLock};
 /// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
 const SEEN: f64 = 0.3;
 
-/// A cell is finer where J differs by so much between its corners, as a share of J and times the share of the distance from the eye
-/// that the cell is, ...
-const UNEVEN: f64 = 0.015;
-
-/// ... but not finer than this share of that distance.
+/// No finer than this share of the distance from the eye.
 const FINEST: f64 = 0.015;
 
 /// Where J is less than this share of that at the eye, its differences matter less.
@@ -88,6 +84,9 @@ pub struct Enclosed {
     eye: Eye,
     /// Spacing as a share of the distance from the eye.
     share: f64,
+    /// A cell is finer where J differs by so much between its corners, as a share of J and times the share of the distance from
+    /// the eye that the cell is.
+    uneven: f64,
     /// The distance from the eye within which spacings do not shrink [m].
     near: f64,
     at_eye: Vec<Lit>,
@@ -113,7 +112,7 @@ impl Enclosed {
         light: Arc<Light>,
         lobes: Arc<Lobes>,
         conditions: &Conditions,
-        share: f64,
+        [share, uneven]: [f64; 2],
         near: f64,
     ) -> Self {
         let eye = Eye::new(conditions);
@@ -133,6 +132,7 @@ impl Enclosed {
             air: conditions.air.clone(),
             eye,
             share,
+            uneven,
             near,
             at_eye,
             points: Shards::new(),
@@ -190,7 +190,7 @@ impl Enclosed {
         let wide = spacing(level) / reach;
         let uneven = cell.difference * wide / cell.mean.max(DARK * self.bright);
         let finer = match wide > 2.0 * FINEST {
-            true => smooth(2.0 * (uneven / UNEVEN - 1.0)),
+            true => smooth(2.0 * (uneven / self.uneven - 1.0)),
             false => 0.0,
         };
         if finer > 0.0 {

@@ -54,6 +54,9 @@ pub struct Fineness {
     pub columns: f64,
     /// Distance of places along them, and of those of the lattice, as a share of the distance from the eye.
     pub spacing: f64,
+    /// A difference of J, as a share of it and times the part of the way from the eye on which it is, that is still found on
+    /// finer places.
+    pub difference: f64,
 }
 
 /// The air's light in the picture of one view, at a moment.
@@ -75,21 +78,24 @@ impl AirLight {
         let eye = Eye::new(conditions);
         let size = bounds(conditions).map_or(f64::INFINITY, |[low, high]| (high - low).length());
         let near = surroundings(conditions, eye, 0.3 * size.min(100.0));
-        let (share, knots) = match eye {
+        // J is looked up more often along a ray than it is found.
+        let step = 0.5 * fineness.spacing;
+        let knots = match eye {
             Eye::At(place) => {
                 let dense = conditions.air.extinction_at(place).max_element();
-                (
-                    fineness.spacing,
-                    Knots::new(0.5 * fineness.spacing, near, dense),
-                )
+                Knots::new(step, near, dense)
             }
-            Eye::Parallel(_, height) => (
-                fineness.spacing,
-                Knots::new(0.5 * fineness.spacing, 0.5 * height, 0.0),
-            ),
+            Eye::Parallel(_, height) => Knots::new(step, 0.5 * height, 0.0),
         };
         let open = OpenAir::new(conditions, &light, lobes.clone());
-        let enclosed = Enclosed::new(lattice, light, lobes, conditions, share, near);
+        let enclosed = Enclosed::new(
+            lattice,
+            light,
+            lobes,
+            conditions,
+            [fineness.spacing, fineness.difference],
+            near,
+        );
         let around = Around::new(conditions, enclosed, open);
         AirLight {
             picture: Picture::new(conditions, around, kinds, knots, fineness.columns),
