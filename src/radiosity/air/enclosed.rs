@@ -12,18 +12,15 @@ use crate::conditions::Conditions;
 use crate::medium::Air;
 use crate::radiosity::light::Light;
 use crate::scene::{Projection, Ray};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
 /// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
 const SEEN: f64 = 0.3;
 
-/// No finer than this share of the distance from the eye.
-const FINEST: f64 = 0.015;
-
-/// Where J is less than this share of that at the eye, its differences matter less.
-const DARK: f64 = 0.3;
+/// No finer than this share of the widest spacing.
+const FINEST: f64 = 0.125;
 
 /// No coarser than this share of a mean free path of light.
 const OF_FREE_PATH: f64 = 0.5;
@@ -90,8 +87,8 @@ pub struct Enclosed {
     /// The distance from the eye within which spacings do not shrink [m].
     near: f64,
     at_eye: Vec<Lit>,
-    /// The greatest J at the eye in any direction that was looked at, roughly.
-    bright: f64,
+    /// What J is in the picture, roughly [cd/m2].
+    typical: f64,
     points: Shards<Place, Vec<DVec3>>,
     cells: Shards<Place, Cell>,
 }
@@ -120,12 +117,8 @@ impl Enclosed {
             Eye::At(eye) => lit(&lattice.transport.around(eye), &light),
             Eye::Parallel(..) => Vec::new(),
         };
-        let bright = lobes
-            .source(&at_eye, DVec3::NEG_Z)
-            .iter()
-            .fold(0.0, |most: f64, j| most.max(j.max_element()));
-        Enclosed {
-            bright,
+        let mut enclosed = Enclosed {
+            typical: 0.0,
             lattice,
             light,
             lobes,
@@ -137,7 +130,31 @@ impl Enclosed {
             at_eye,
             points: Shards::new(),
             cells: Shards::new(),
+        };
+        enclosed.typical = enclosed.glance(conditions);
+        enclosed
+    }
+
+    /// The mean of J at some places that the eye sees [cd/m2].
+    fn glance(&self, conditions: &Conditions) -> f64 {
+        const PLACES: usize = 32;
+        let [width, height] = conditions.view.size.map(f64::from);
+        let mut sum = 0.0;
+        for i in 0..PLACES {
+            // Roberts's R3 sequence.
+            let at =
+                [0.819_172_513, 0.671_043_607, 0.549_700_478].map(|a| (0.5 + a * i as f64).fract());
+            let ray = conditions
+                .view
+                .ray(DVec2::new(width * at[0], height * at[1]));
+            let hit = conditions.geometry.closest(&ray, 0.0, f64::INFINITY);
+            let end = hit.map_or(4.0 * self.near, |hit| hit.distance);
+            let found = self.alone(ray.at(at[2] * end), ray.direction);
+            sum += found
+                .iter()
+                .fold(0.0, |most: f64, j| most.max(j.max_element()));
         }
+        sum / PLACES as f64
     }
 
     /// J of each kind of media at a place that the eye sees in this direction [cd/m2].
@@ -188,8 +205,8 @@ impl Enclosed {
         let slot = self.cells.place(number);
         let cell = slot.get_or_init(|| self.cell(number));
         let wide = spacing(level) / reach;
-        let uneven = cell.difference * wide / cell.mean.max(DARK * self.bright);
-        let finer = match wide > 2.0 * FINEST {
+        let uneven = cell.difference * wide / cell.mean.max(self.typical);
+        let finer = match wide > 2.0 * FINEST * self.share {
             true => smooth(2.0 * (uneven / self.uneven - 1.0)),
             false => 0.0,
         };
