@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use std::sync::Arc;
-use tyndall::backend::Limits;
 use tyndall::backend::reference::Reference;
+use tyndall::backend::{Backend, Limits, Wanted};
 use tyndall::conditions::Conditions;
 use tyndall::effect::{ALL, Effect, Field};
 use tyndall::plan::{Overrules, Plan, Quality};
@@ -43,5 +43,13 @@ pub fn air_light(conditions: &Conditions, quality: Quality, set: &[(&str, f64)])
         .frame
         .check()
         .expect("all values are finite and not negative");
+    super::build::layer(&rendered.frame, Field::InscatterSky)
+}
+
+/// The same layer of a plan by the `gpu` backend.
+pub fn by_gpu(plan: &Plan) -> Vec<DVec3> {
+    let rendered = Backend::open(Wanted::Gpu)
+        .and_then(|mut backend| backend.render(plan, &Limits::memory(1 << 30), &|_| {}))
+        .expect("it renders");
     super::build::layer(&rendered.frame, Field::InscatterSky)
 }
