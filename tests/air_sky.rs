@@ -11,6 +11,7 @@ use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::medium::{Air, ClearAir, Medium, Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{Camera, Ray};
+use tyndall::sky::Model;
 
 const SIZE: [u32; 2] = [16, 12];
 const HAZY: Phase = Phase::HenyeyGreenstein { g: 0.7 };
@@ -43,7 +44,7 @@ fn view(triangles: &[Corners], media: Vec<Medium>, camera: Camera) -> Conditions
 }
 
 fn light(conditions: &Conditions) -> Vec<f64> {
-    let found = air_light(conditions, Quality::Preview, &[]);
+    let found = air_light(conditions, Quality::Preview, &[("rays", 1024.0)]);
     found.iter().map(|v| v.x).collect()
 }
 
@@ -101,7 +102,7 @@ fn by_quadrature(air: &Air, ray: &Ray, end: f64, hidden: impl Fn(DVec3, DVec3) -
 fn cube() -> Shape {
     Shape::Box {
         min: dvec3(-10.0, 0.0, -30.0),
-        max: dvec3(10.0, 12.0, -4.0),
+        max: dvec3(10.0, 12.0, 2.0),
     }
 }
 
@@ -146,14 +147,14 @@ fn under_an_open_uniform_sky_it_is_the_formula() {
                 .collect();
             let off = worst(&found, &truth);
             println!("{name}, {phase:?}: {off:.4}");
-            assert!(off < 0.01, "{name}, {phase:?}: {off} {found:?} {truth:?}");
+            assert!(off < 0.01, "{name}, {phase:?}: {off}");
         }
     }
 }
 
 #[test]
 fn in_a_closed_box_there_is_none() {
-    let triangles = cuboid(dvec3(-11.0, -1.0, -31.0), dvec3(11.0, 13.0, 5.0));
+    let triangles = cuboid(dvec3(-11.0, -1.0, -29.0), dvec3(11.0, 13.0, 5.0));
     let conditions = view(
         &triangles,
         vec![fog(cube(), 0.05, 0.0, HAZY)],
@@ -255,7 +256,7 @@ fn a_step_by_a_hair_changes_the_picture_by_a_hair() {
     for step in [1e-5, 1e-4, 1e-3] {
         let off = worst(&at(step), &first);
         println!("a step of {step}: {off:.2e}");
-        assert!(off < 1e-3 + 2.0 * step, "{step}: {off}");
+        assert!(off < 1e-3 + 5.0 * step, "{step}: {off}");
     }
 }
 
@@ -303,7 +304,11 @@ fn the_clear_air_before_far_ground_has_the_light_of_the_sky_and_the_ground() {
         camera: CameraChoice::Given(camera),
         ..Request::default()
     };
-    let conditions = Conditions::new(scene, &request).unwrap();
+    let perez = Model::Perez {
+        turbidity: 3.0,
+        irradiance: None,
+    };
+    let conditions = under(Conditions::new(scene, &request).unwrap(), perez);
     let found = air_light(&conditions, Quality::Preview, &[]);
     let sky = conditions.sky.as_ref().unwrap();
     let ground = conditions.ground.unwrap();
@@ -311,16 +316,18 @@ fn the_clear_air_before_far_ground_has_the_light_of_the_sky_and_the_ground() {
     let mut compared = 0;
     for (row, found) in found.iter().enumerate() {
         let ray = conditions.view.ray(DVec2::new(0.5, row as f64 + 0.5));
-        if ray.direction.y >= -1e-4 {
+        let end = (ray.origin.y - ground.height) / -ray.direction.y;
+        if end < 0.0 {
             assert_eq!(*found, DVec3::ZERO, "the sky holds it already");
+        }
+        if !(0.0..100e3).contains(&end) {
             continue;
         }
-        let end = (ray.origin.y - ground.height) / -ray.direction.y;
         let mut truth = DVec3::ZERO;
-        let (steps, rows, around) = (24, 60, 120);
+        let (steps, rows, around) = (60, 30, 90);
         for i in 0..steps {
             let u = (i as f64 + 0.5) / f64::from(steps);
-            let t = end * u;
+            let (t, step) = (end * u * u, 2.0 * end * u / f64::from(steps));
             let place = ray.at(t);
             let before = (-conditions.air.optical_depth(ray.origin, ray.direction, t)).exp();
             for k in 0..rows * around {
@@ -347,13 +354,13 @@ fn the_clear_air_before_far_ground_has_the_light_of_the_sky_and_the_ground() {
                         };
                         let p = medium.phase.value(1.0 - ray.direction.dot(toward));
                         let scattering = alone.extinction_at(place);
-                        truth +=
-                            p * share * end / f64::from(steps) * before * scattering * incoming;
+                        truth += p * share * step * before * scattering * incoming;
                     }
                 }
             }
         }
         let off = (*found / truth - 1.0).abs().max_element();
+        println!("{end:.0} m: {found:.1} {truth:.1}");
         assert!(off < 0.02, "{end} m: {found} {truth}");
         compared += 1;
     }
@@ -368,7 +375,8 @@ fn both_backends_have_the_same_light() {
     }
     let camera = Camera::look_at(dvec3(-3.0, 1.7, -1.0), dvec3(-2.0, 1.9, -8.0), 1.2);
     let conditions = view(&two_rooms([false, true], 0.1), over_both(0.05), camera);
-    let reference = light(&conditions);
+    let reference = air_light(&conditions, Quality::Preview, &[]);
+    let reference: Vec<f64> = reference.iter().map(|v| v.x).collect();
     let plan = Plan::with(&conditions, &Overrules::default(), &effects()).unwrap();
     let found = common::air::by_gpu(&plan);
     let found: Vec<f64> = found.iter().map(|v| v.x).collect();

@@ -205,7 +205,10 @@ impl Enclosed {
         let slot = self.cells.place(number);
         let cell = slot.get_or_init(|| self.cell(number));
         let wide = spacing(level) / reach;
-        let uneven = cell.difference * wide / cell.mean.max(self.typical);
+        let uneven = match cell.difference > 0.0 {
+            true => cell.difference * wide / cell.mean.max(self.typical),
+            false => 0.0,
+        };
         let finer = match wide > 2.0 * FINEST * self.share {
             true => smooth(2.0 * (uneven / self.uneven - 1.0)),
             false => 0.0,

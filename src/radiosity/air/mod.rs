@@ -36,7 +36,7 @@ pub use lattice::Lattice;
 
 use super::light::Light;
 use crate::conditions::Conditions;
-use crate::medium::{Sight, kinds};
+use crate::medium::{Shape, Sight, kinds};
 use crate::scene::Ray;
 use around::{Around, bounds};
 use enclosed::{Enclosed, Eye, surroundings};
@@ -76,8 +76,14 @@ impl AirLight {
         let kinds = kinds(&conditions.air);
         let lobes = Arc::new(Lobes::new(&kinds));
         let eye = Eye::new(conditions);
-        let size = bounds(conditions).map_or(f64::INFINITY, |[low, high]| (high - low).length());
-        let near = surroundings(conditions, eye, 0.3 * size.min(100.0));
+        let size = bounds(conditions).map_or(100.0, |[low, high]| (high - low).length());
+        // J changes over a box of fog as it does among walls.
+        let narrowest = conditions.air.media.iter().filter_map(|m| match m.shape {
+            Shape::Box { min, max } => Some(0.25 * (max - min).min_element()),
+            _ => None,
+        });
+        let otherwise = narrowest.fold(0.3 * size, f64::min).max(1e-9 * size);
+        let near = surroundings(conditions, eye, otherwise);
         // J is looked up more often along a ray than it is found.
         let step = 0.5 * fineness.spacing;
         let knots = match eye {
