@@ -2,7 +2,7 @@
 
 use super::definition::Effect;
 use super::{
-    air_shadow, compose, radiosity, shadow, shafts_epipolar, shafts_march, shafts_planes,
+    air_shadow, air_sky, compose, radiosity, shadow, shafts_epipolar, shafts_march, shafts_planes,
     shafts_prefiltered, shafts_rectified, sky_dome, sun_disc, surface_sun, transmittance,
     visibility,
 };
@@ -21,6 +21,7 @@ pub const ALL: &[&Effect] = &[
     &shafts_prefiltered::SHAFTS_PREFILTERED,
     &shafts_march::SHAFTS_MARCH,
     &shafts_planes::SHAFTS_PLANES,
+    &air_sky::AIR_SKY,
     &air_shadow::AIR_SHADOW,
     &compose::COMPOSE,
 ];

@@ -71,6 +71,23 @@ impl Kept {
         value
     }
 
+    /// What another effect keeps, if nothing that it was made of has changed; the effect of a plan that comes before has made it for
+    /// this plan.
+    pub fn of_other<T: Any + Send + Sync>(
+        &self,
+        effect: &str,
+        keep: &Keep,
+        conditions: &Conditions,
+    ) -> Option<Arc<T>> {
+        let entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        let entry = entries.iter().find(|entry| {
+            entry.effect == effect
+                && entry.name == keep.name
+                && entry.made_of.still_holds(conditions, keep.reads)
+        });
+        entry.and_then(|entry| entry.value.clone().downcast::<T>().ok())
+    }
+
     /// What was made since the last call, by name.
     pub fn take_made(&self) -> Vec<&'static str> {
         std::mem::take(&mut self.made.lock().unwrap_or_else(PoisonError::into_inner))

@@ -142,6 +142,7 @@
 //! to [`Kept::get`]. A result that depends on something it does not name is wrong as soon as that changes: name it.
 
 pub mod air_shadow;
+pub mod air_sky;
 mod all;
 mod beams;
 pub mod compose;

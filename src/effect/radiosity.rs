@@ -173,6 +173,26 @@ fn solution(
     (transport, light)
 }
 
+/// Transport and light as this effect has made them for the plan at hand; of a plan without it, as it would by its knobs at the
+/// quality `preview`.
+pub(super) fn shared(conditions: &Conditions, kept: &Kept) -> (Arc<Transport>, Arc<Light>) {
+    let transport = kept.of_other(RADIOSITY.name, &TRANSPORT, conditions);
+    let light = kept.of_other(RADIOSITY.name, &LIGHT, conditions);
+    if let (Some(transport), Some(light)) = (transport, light) {
+        return (transport, light);
+    }
+    let values: Vec<_> = RADIOSITY
+        .knobs
+        .iter()
+        .map(|k| (k.name, k.values[1]))
+        .collect();
+    let settings = Settings {
+        effect: RADIOSITY.name,
+        values: &values,
+    };
+    solution(conditions, &settings, kept)
+}
+
 /// What a surface receives by rays of its own [lx, RGB]: straight from the sky, and from surfaces.
 fn gathered(transport: &Transport, light: &Light, surface: &Surface) -> [DVec3; 2] {
     let arrivals = transport.before(surface.position, surface.normal, surface.facet);

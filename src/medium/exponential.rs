@@ -30,14 +30,16 @@ pub(super) fn exponential_integral(start: f64, slope: f64, length: f64) -> f64 {
     }
 }
 
+/// Eight-point Gauss-Legendre quadrature on [-1, 1]: each place, which is one of two at both sides of 0, and its weight.
+pub(super) const NODES: [[f64; 2]; 4] = [
+    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
+    [0.525_532_409_916_329, 0.313_706_645_877_887_3],
+    [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
+    [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
+];
+
 /// Eight-point Gauss-Legendre quadrature of a function over [a, b].
 pub(super) fn gauss(a: f64, b: f64, f: &impl Fn(f64) -> DVec3) -> DVec3 {
-    const NODES: [[f64; 2]; 4] = [
-        [0.183_434_642_495_649_8, 0.362_683_783_378_362],
-        [0.525_532_409_916_329, 0.313_706_645_877_887_3],
-        [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
-        [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
-    ];
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     NODES
         .iter()

@@ -20,15 +20,17 @@ mod phase;
 mod region;
 mod scattering;
 mod shape;
+mod sight;
 
 pub use clear::ClearAir;
 pub use phase::{Fog, Phase};
 pub use scattering::Scattering;
 pub use shape::{FARTHEST, Medium, Shape};
+pub use sight::{Kind, Sight, kinds};
 
 use crate::beam::Beam;
 use glam::DVec3;
-use height::HeightTerm;
+use height::{Height, HeightTerm};
 use region::Region;
 
 /// The air of a scene: its media above its ground.
@@ -57,6 +59,27 @@ impl Air {
         let mut air = self.clone();
         air.media.retain(|medium| !medium.is_clear_air());
         air
+    }
+
+    /// Extinction coefficient at a place [1/m].
+    pub fn extinction_at(&self, point: DVec3) -> DVec3 {
+        let of = |medium: &Medium| match (self.region(medium), medium.shape) {
+            (Some(region), _) => f64::from(u8::from(region.holds(point))) * medium.extinction(),
+            (
+                None,
+                Shape::Height {
+                    base, scale_height, ..
+                }
+                | Shape::Air {
+                    base, scale_height, ..
+                },
+            ) => {
+                Height::new(base, scale_height, point, DVec3::ZERO).density(0.0)
+                    * medium.extinction()
+            }
+            (None, _) => DVec3::ZERO,
+        };
+        self.media.iter().map(of).sum()
     }
 
     /// The same air, in which only the media that `scatters` keeps send light; the others absorb what they would scatter.

@@ -4,7 +4,7 @@ use super::shape::FARTHEST;
 use glam::DVec3;
 
 /// A homogeneous medium as an axis-aligned region, endless where its bounds are infinite.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Region {
     pub min: DVec3,
     pub max: DVec3,

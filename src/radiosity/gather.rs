@@ -150,8 +150,8 @@ fn within_cell(level: u32, i: u32, j: u32) -> [f64; 2] {
 
 impl Transport {
     /// What a point of the air receives from all directions; the solid angles sum to 4 pi.
-    pub fn around(&self, point: DVec3) -> Vec<Arrival> {
-        self.gather(point, &Map::Sphere, self.detail.care)
+    pub fn around(&self, point: DVec3, care: Care) -> Vec<Arrival> {
+        self.gather(point, &Map::Sphere, care)
     }
 
     /// What a surface receives at a point; the shares sum to 1. `normal` is that of the cosine law, `facet` the side on which

@@ -376,7 +376,12 @@ impl Drop for Lattice {
     fn drop(&mut self) {
         if std::env::var("TD").is_ok() {
             let divided = self.parts.iter().filter(|p| p.get().is_some()).count();
-            eprintln!("lattice: parts {divided} bent {} seen {} rays {}", self.bent.len(), super::transport::SEEN.load(std::sync::atomic::Ordering::Relaxed), super::transport::RAYS.load(std::sync::atomic::Ordering::Relaxed));
+            eprintln!(
+                "lattice: parts {divided} bent {} seen {} rays {}",
+                self.bent.len(),
+                super::transport::SEEN.load(std::sync::atomic::Ordering::Relaxed),
+                super::transport::RAYS.load(std::sync::atomic::Ordering::Relaxed)
+            );
         }
     }
 }

@@ -5,6 +5,7 @@
 //! lives in [`Transport`]; how bright each source is at a moment lives in [`Light`]. Another time of day over the same scene is
 //! another [`Light`] over the same transport.
 
+pub mod air;
 mod arrival;
 mod cells;
 mod dome;

@@ -1,6 +1,7 @@
 //! What the tests share: data by others, the Python judge, and the count of what could not run.
 #![allow(dead_code)]
 
+pub mod air;
 pub mod build;
 pub mod files;
 pub mod flat;

@@ -1,0 +1,152 @@
+//! Light of the sky and of surfaces scattered once by the air toward the eye.
+//!
+//! L(T) = integral_0^T sum_m sigma_s,m(t) e^-tau(t) J_m(x(t)) dt, J_m = integral over the sphere of p_m L_in dw', tau the optical
+//! depth of all media from the eye ([`crate::radiosity::air`] has the method). L_in is what comes to that place of the air from
+//! sky, surfaces and open ground: occluded by what stands in between, and weakened by the media on its way.
+//!
+//! As everywhere ([`crate::medium`]), the clear air sends nothing on rays that meet nothing, since the sky holds that light, and
+//! takes nothing of what comes from the sky. Light of the sun itself is that of the shafts ([`super::shafts`]); sunlight that a
+//! surface has sent on is in here.
+//!
+//! Neglected: light that is scattered more than once.
+
+use super::radiosity::shared;
+use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings};
+use crate::colour::luminance;
+use crate::conditions::{Conditions, Input};
+use crate::radiosity::Care;
+use crate::radiosity::air::{AirLight, Fineness, Lattice};
+use glam::{DVec3, UVec2};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Light of sky and surfaces in the air.
+pub const AIR_SKY: Effect = Effect {
+    name: "air_sky",
+    summary: "light of sky and surfaces that the air scatters to the eye",
+    reads: &[Field::Surface],
+    writes: &[Field::InscatterSky],
+    keeps: &[&LATTICE, &PICTURE],
+    knobs: &[
+        Knob {
+            name: "columns",
+            meaning: "distance of eye rays on which the air's light is found, before cells are divided [pixels]",
+            values: [32.0, 16.0, 8.0, 4.0],
+            range: [1.0, 64.0],
+        },
+        Knob {
+            name: "spacing",
+            meaning: "distance of places at which the air's light is found, as a share of their distance from the eye",
+            values: [0.4, 0.25, 0.16, 0.1],
+            range: [0.01, 1.0],
+        },
+        Knob {
+            name: "difference",
+            meaning: "difference of the air's light that finer places resolve, times the part of the way from the eye on which it is",
+            values: [0.04, 0.015, 0.006, 0.002],
+            range: [1e-4, 1.0],
+        },
+        Knob {
+            name: "rays",
+            meaning: "rays from each of these places, before outlines are refined",
+            values: [64.0, 100.0, 400.0, 2304.0],
+            range: [16.0, 65536.0],
+        },
+        Knob {
+            name: "outline",
+            meaning: "share of the light of such a place that may be uncertain at outlines",
+            values: [0.2, 0.1, 0.02, 0.005],
+            range: [1e-5, 1.0],
+        },
+    ],
+    decide,
+    reference: |conditions, settings, kept| {
+        let Some(light) = air_light(conditions, settings, kept) else {
+            return Box::new(|_| {});
+        };
+        let before_sky = conditions.air.before_sky();
+        Box::new(move |fields| {
+            let mut sight = light.sight();
+            fields.update(Field::InscatterSky, |ray, pixel, surface, present| {
+                let is_met = surface.is_met();
+                let distance = match is_met {
+                    true => surface.distance,
+                    false => before_sky.end(ray.origin, ray.direction),
+                };
+                present + light.light(centre(pixel), ray, distance, is_met, &mut sight)
+            });
+        })
+    },
+    passes: &[],
+    ..Effect::NOTHING
+};
+
+fn centre(pixel: UVec2) -> glam::DVec2 {
+    pixel.as_dvec2() + 0.5
+}
+
+/// What comes to places of the air from whom.
+const LATTICE: Keep = Keep {
+    name: "who lights the air",
+    reads: &[Input::Geometry, Input::Materials, Input::Media],
+};
+
+/// What the air of a picture sends to the eye.
+const PICTURE: Keep = Keep {
+    name: "the air's light in the picture",
+    reads: &[
+        Input::Geometry,
+        Input::Materials,
+        Input::Media,
+        Input::Sky,
+        Input::Sun,
+        Input::View,
+    ],
+};
+
+fn air_light(
+    conditions: &Conditions,
+    settings: &Settings<'_>,
+    kept: &Kept,
+) -> Option<Arc<AirLight>> {
+    let (transport, light) = shared(conditions, kept);
+    let care = Care {
+        rays: settings.get("rays") as usize,
+        outline: settings.get("outline"),
+    };
+    let lattice = kept.get(&LATTICE, conditions, settings, || {
+        Arc::new(Lattice::new(transport, conditions.geometry.clone(), care))
+    });
+    let lattice = lattice.as_ref().clone();
+    let fineness = Fineness {
+        columns: settings.get("columns"),
+        spacing: settings.get("spacing"),
+        difference: settings.get("difference"),
+    };
+    Some(kept.get(&PICTURE, conditions, settings, || {
+        AirLight::new(conditions, lattice, light, fineness)
+    }))
+}
+
+fn decide(conditions: &Conditions) -> Decision {
+    let media = &conditions.air.media;
+    if media.is_empty() {
+        return Decision::nothing("the scene has no medium: nothing scatters light");
+    }
+    let scatters = |m: &&crate::medium::Medium| m.scattering.max_element() > 0.0;
+    if !media.iter().any(|m| scatters(&m)) {
+        return Decision::nothing("no medium scatters light");
+    }
+    let Some(sky) = &conditions.sky else {
+        return Decision::nothing("no sky was asked for");
+    };
+    let albedo = (media.iter().filter(scatters))
+        .map(|m| m.scattering / m.extinction().max(DVec3::splat(f64::MIN_POSITIVE)))
+        .fold(0.0, |most: f64, albedo| most.max(albedo.max_element()));
+    // J is a mean of what comes in, and the weights of a ray sum to no more than albedo (1 - e^-tau).
+    let weight = albedo * -(-conditions.greatest_optical_depth()).exp_m1();
+    Decision::run(
+        format!("sky and surfaces light {}", conditions.media_phrase()),
+        Contribution::Estimate(weight * luminance(sky.horizontal_illuminance()) / PI),
+    )
+}

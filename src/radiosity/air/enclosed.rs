@@ -1,0 +1,349 @@
+//! What the air near a scene's surfaces sends toward the eye.
+//!
+//! J is found at points of the [`Lattice`] and interpolated between those of a cell that the place itself sees, so that no light
+//! comes through a wall from the cells behind it. The farther from the eye, the wider the lattice; two levels are blended where
+//! one gives way to the next, so that nothing jumps when the eye moves. Close to the eye, where the direction from the eye differs
+//! across a cell, the light that comes to the eye itself is taken, in the direction of the ray.
+
+use super::lattice::{Lattice, PAIRS, Place, level_of, spacing};
+use super::shards::Shards;
+use super::source::{Lit, Lobes};
+use crate::conditions::Conditions;
+use crate::medium::Air;
+use crate::radiosity::light::Light;
+use crate::scene::{Projection, Ray};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+use std::sync::{Arc, OnceLock};
+
+/// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
+const SEEN: f64 = 0.3;
+
+/// No finer than this share of the widest spacing.
+const FINEST: f64 = 0.125;
+
+/// No coarser than this share of a mean free path of light.
+const OF_FREE_PATH: f64 = 0.5;
+
+/// Where rays come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Eye {
+    /// One place [m].
+    At(DVec3),
+    /// Everywhere, in one direction; the height of what is seen [m].
+    Parallel(DVec3, f64),
+}
+
+impl Eye {
+    /// The eye of a view.
+    pub fn new(conditions: &Conditions) -> Self {
+        let camera = &conditions.view.camera;
+        match camera.projection {
+            Projection::Orthographic { height } => Eye::Parallel(camera.axes()[2], height),
+            Projection::Perspective { .. } | Projection::Panorama => Eye::At(camera.eye),
+        }
+    }
+}
+
+/// The least distance that counts for spacings [m]: the harmonic mean of the distances at which directions from the eye meet
+/// something; where they meet nothing, `otherwise`.
+pub fn surroundings(conditions: &Conditions, eye: Eye, otherwise: f64) -> f64 {
+    const DIRECTIONS: usize = 256;
+    let Eye::At(origin) = eye else {
+        return otherwise;
+    };
+    let nearness = |i: usize| {
+        // Fibonacci's lattice on the sphere.
+        let y = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
+        let (sin, cos) = (PI * (3.0 - 5f64.sqrt()) * i as f64).sin_cos();
+        let level = (1.0 - y * y).sqrt();
+        let direction = DVec3::new(level * cos, y, level * sin);
+        let hit = conditions
+            .geometry
+            .closest(&Ray { origin, direction }, 0.0, f64::INFINITY);
+        let ground = conditions.ground.filter(|ground| origin.y > ground.height);
+        match (hit, ground) {
+            (Some(hit), _) => 1.0 / hit.distance,
+            (None, Some(ground)) if y < 0.0 => -y / (origin.y - ground.height),
+            _ => 0.0,
+        }
+    };
+    let mean = (0..DIRECTIONS).map(nearness).sum::<f64>() / DIRECTIONS as f64;
+    (1.0 / mean).min(otherwise)
+}
+
+/// J near the scene's surfaces, for one eye and moment.
+pub struct Enclosed {
+    lattice: Arc<Lattice>,
+    light: Arc<Light>,
+    lobes: Arc<Lobes>,
+    air: Air,
+    eye: Eye,
+    /// Spacing as a share of the distance from the eye.
+    share: f64,
+    /// A cell is finer where J differs by so much between its corners, as a share of J and times the share of the distance from
+    /// the eye that the cell is.
+    uneven: f64,
+    /// The distance from the eye within which spacings do not shrink [m].
+    near: f64,
+    at_eye: Vec<Lit>,
+    /// What J is in the picture, roughly [cd/m2].
+    typical: f64,
+    points: Shards<Place, Vec<DVec3>>,
+    cells: Shards<Place, Cell>,
+}
+
+/// A cell of the lattice.
+struct Cell {
+    pairs: u16,
+    /// J at the corners, kind by kind, where it was asked for.
+    corners: [OnceLock<Vec<DVec3>>; 8],
+    /// The greatest difference of J between corners that see each other, and its mean over those.
+    difference: f64,
+    mean: f64,
+}
+
+impl Enclosed {
+    pub fn new(
+        lattice: Arc<Lattice>,
+        light: Arc<Light>,
+        lobes: Arc<Lobes>,
+        conditions: &Conditions,
+        [share, uneven]: [f64; 2],
+        near: f64,
+    ) -> Self {
+        let eye = Eye::new(conditions);
+        let at_eye = match eye {
+            Eye::At(eye) => lit(&lattice.around(eye), &light),
+            Eye::Parallel(..) => Vec::new(),
+        };
+        let mut enclosed = Enclosed {
+            typical: 0.0,
+            lattice,
+            light,
+            lobes,
+            air: conditions.air.clone(),
+            eye,
+            share,
+            uneven,
+            near,
+            at_eye,
+            points: Shards::new(),
+            cells: Shards::new(),
+        };
+        enclosed.typical = enclosed.glance(conditions);
+        enclosed
+    }
+
+    /// The mean of J at some places that the eye sees [cd/m2].
+    fn glance(&self, conditions: &Conditions) -> f64 {
+        const PLACES: usize = 32;
+        let [width, height] = conditions.view.size.map(f64::from);
+        let mut sum = 0.0;
+        for i in 0..PLACES {
+            // Roberts's R3 sequence.
+            let at =
+                [0.819_172_513, 0.671_043_607, 0.549_700_478].map(|a| (0.5 + a * i as f64).fract());
+            let ray = conditions
+                .view
+                .ray(DVec2::new(width * at[0], height * at[1]));
+            let hit = conditions.geometry.closest(&ray, 0.0, f64::INFINITY);
+            let end = hit.map_or(4.0 * self.near, |hit| hit.distance);
+            let found = self.alone(ray.at(at[2] * end), ray.direction);
+            sum += found
+                .iter()
+                .fold(0.0, |most: f64, j| most.max(j.max_element()));
+        }
+        sum / PLACES as f64
+    }
+
+    /// J of each kind of media at a place that the eye sees in this direction [cd/m2].
+    pub fn source(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let (distance, reach) = match self.eye {
+            Eye::At(eye) => {
+                let distance = place.distance(eye);
+                (distance, distance.max(self.near))
+            }
+            Eye::Parallel(_, height) => (f64::INFINITY, 0.5 * height),
+        };
+        let widest = self.share * reach;
+        let free = OF_FREE_PATH / self.air.extinction_at(place).max_element();
+        let widest = free.clamp(0.25 * widest, widest);
+        let eyes = 1.0 - smooth((distance / widest - 1.0) / 1.5);
+        let mut sum = match eyes > 0.0 {
+            true => self.lobes.source(&self.at_eye, direction),
+            false => Vec::new(),
+        };
+        if eyes >= 1.0 {
+            return sum;
+        }
+        sum.iter_mut().for_each(|j| *j *= eyes);
+        let level = level_of(widest);
+        let coarser = smooth(2.0 * (level - level.floor()) - 1.0);
+        for (level, part) in [
+            (level.floor(), 1.0 - coarser),
+            (level.floor() + 1.0, coarser),
+        ] {
+            if part > 0.0 {
+                let part = part * (1.0 - eyes);
+                self.add_level(place, direction, level as i32, [reach, part], &mut sum);
+            }
+        }
+        sum
+    }
+
+    /// Adds J from a level of the lattice, or from finer ones where it is uneven.
+    fn add_level(
+        &self,
+        place: DVec3,
+        direction: DVec3,
+        level: i32,
+        [reach, part]: [f64; 2],
+        sum: &mut Vec<DVec3>,
+    ) {
+        let (number, at) = Place::around(place, level);
+        let slot = self.cells.place(number);
+        let cell = slot.get_or_init(|| self.cell(number));
+        let wide = spacing(level) / reach;
+        let uneven = match cell.difference > 0.0 {
+            true => cell.difference * wide / cell.mean.max(self.typical),
+            false => 0.0,
+        };
+        let finer = match wide > 2.0 * FINEST * self.share {
+            true => smooth(2.0 * (uneven / self.uneven - 1.0)),
+            false => 0.0,
+        };
+        if finer > 0.0 {
+            self.add_level(place, direction, level - 1, [reach, part * finer], sum);
+        }
+        if finer < 1.0 {
+            self.add_cell(
+                place,
+                direction,
+                (number, cell, at),
+                part * (1.0 - finer),
+                sum,
+            );
+        }
+    }
+
+    fn cell(&self, number: Place) -> Cell {
+        let pairs = self.lattice.pairs(number);
+        let corners: [OnceLock<Vec<DVec3>>; 8] = Default::default();
+        let places = number.corners();
+        let value = |corner: usize| corners[corner].get_or_init(|| self.at_point(places[corner]));
+        let (mut difference, mut sum, mut count) = (0.0f64, 0.0, 0.0);
+        for (i, (a, b)) in PAIRS.into_iter().enumerate() {
+            if pairs >> i & 1 == 1 {
+                for (a, b) in value(a).iter().zip(value(b)) {
+                    difference = difference.max((*a - *b).abs().max_element());
+                    sum += 0.5 * (*a + *b).max_element();
+                    count += 1.0;
+                }
+            }
+        }
+        Cell {
+            pairs,
+            corners,
+            difference,
+            mean: sum / f64::max(count, 1.0),
+        }
+    }
+
+    /// Adds J from the corners of a cell that the place sees.
+    fn add_cell(
+        &self,
+        place: DVec3,
+        direction: DVec3,
+        (number, cell, at): (Place, &Cell, DVec3),
+        part: f64,
+        sum: &mut Vec<DVec3>,
+    ) {
+        let corners = number.corners();
+        let weights: [f64; 8] = std::array::from_fn(|corner| {
+            let along = |axis: usize| match corner >> axis & 1 {
+                0 => 1.0 - at[axis],
+                _ => at[axis],
+            };
+            let seen =
+                cell.pairs == u16::MAX || self.lattice.sees(place, corners[corner].position());
+            f64::from(u8::from(seen)) * along(0) * along(1) * along(2)
+        });
+        let seen: f64 = weights.iter().sum();
+        // Where little of the cell is seen, places around it help, and if none of those is seen either, the place itself.
+        let other = 1.0 - smooth(2.0 * seen / SEEN - 1.0);
+        if other > 0.0 {
+            let found = self
+                .from_wider(place, number, at)
+                .unwrap_or_else(|| self.alone(place, direction));
+            add(sum, &found, other * part);
+        }
+        if other < 1.0 {
+            for (corner, weight) in weights.iter().enumerate() {
+                if *weight > 0.0 {
+                    let found = cell.corners[corner].get_or_init(|| self.at_point(corners[corner]));
+                    add(sum, found, (1.0 - other) * part * weight / seen);
+                }
+            }
+        }
+    }
+
+    /// J from the points of the lattice within two spacings of a place that it sees.
+    fn from_wider(&self, place: DVec3, cell: Place, at: DVec3) -> Option<Vec<DVec3>> {
+        let mut sum = Vec::new();
+        let mut seen = 0.0;
+        for (point, offset) in cell.surroundings() {
+            let apart = (offset - at).abs();
+            let weight = (2.0 - apart).max(DVec3::ZERO);
+            let weight = weight.x * weight.y * weight.z;
+            if weight > 0.0 && self.lattice.sees(place, point.position()) {
+                let source = self.at_point(point);
+                add(&mut sum, &source, weight);
+                seen += weight;
+            }
+        }
+        sum.iter_mut().for_each(|j| *j /= seen);
+        (seen > 0.0).then_some(sum)
+    }
+
+    /// J from what comes to the place itself.
+    fn alone(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let lit = lit(&self.lattice.around(place), &self.light);
+        self.lobes.source(&lit, direction)
+    }
+
+    /// J at a point of the lattice.
+    fn at_point(&self, point: Place) -> Vec<DVec3> {
+        let point = point.coarsest();
+        let slot = self.points.place(point);
+        slot.get_or_init(|| {
+            let direction = match self.eye {
+                Eye::At(eye) => (point.position() - eye).normalize_or(DVec3::NEG_Z),
+                Eye::Parallel(direction, _) => direction,
+            };
+            let lit = lit(&self.lattice.arrivals(point), &self.light);
+            self.lobes.source(&lit, direction)
+        })
+        .clone()
+    }
+}
+
+fn add(sum: &mut Vec<DVec3>, values: &[DVec3], weight: f64) {
+    sum.resize(values.len(), DVec3::ZERO);
+    for (sum, value) in sum.iter_mut().zip(values) {
+        *sum += weight * *value;
+    }
+}
+
+fn lit(arrivals: &[crate::radiosity::arrival::Arrival], light: &Light) -> Vec<Lit> {
+    arrivals
+        .iter()
+        .map(|arrival| Lit::new(arrival, light))
+        .collect()
+}
+
+/// 0 below 0, 1 above 1, and without a kink between.
+pub fn smooth(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}

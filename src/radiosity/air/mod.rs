@@ -1,0 +1,128 @@
+//! Light of sky and surfaces that the air scatters once toward the eye.
+//!
+//! L(T) = sum over kinds of media of integral_0^T sigma_s(t) e^-tau(t) J(x(t), w) dt,
+//! J(x, w) = integral over the sphere of p(w, w') L_in(x, w') dw'
+//!
+//! Media of one phase function are one kind ([`crate::medium::Kind`]); tau is the optical depth of all media from the eye. What
+//! comes in, L_in, has passed the media on its way. J is smooth where the media are not: so each ray has its own exact weight
+//! W(T) = integral sigma_s e^-tau dt ([`crate::medium::Sight`]), and J a mean that is found on fewer rays and interpolated:
+//!
+//! | file | what |
+//! |---|---|
+//! | `lobe` | phase functions averaged over what one arrival stands for |
+//! | `source` | J from what comes in |
+//! | `lattice` | places that stand still in the world, and what comes to them |
+//! | `enclosed` | J near the scene, interpolated on the lattice between places that see each other |
+//! | `open` | J far from the scene, by height and direction |
+//! | `around` | both, blended |
+//! | `knots`, `column` | J along one eye ray |
+//! | `picture` | its mean all over a picture |
+//!
+//! Light that is scattered more than once is neglected: in air of optical depth tau and single-scattering albedo w, about w tau / 2
+//! of what is found here.
+
+mod around;
+mod column;
+mod enclosed;
+mod knots;
+mod lattice;
+mod lobe;
+mod open;
+mod picture;
+mod shards;
+mod source;
+
+pub use lattice::Lattice;
+
+use super::light::Light;
+use crate::conditions::Conditions;
+use crate::medium::{Shape, Sight, kinds};
+use crate::scene::Ray;
+use around::{Around, bounds};
+use enclosed::{Enclosed, Eye, surroundings};
+use glam::{DVec2, DVec3};
+use knots::Knots;
+use open::OpenAir;
+use picture::Picture;
+use source::Lobes;
+use std::sync::Arc;
+
+/// How finely the air's light is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fineness {
+    /// Distance of eye rays on which J is found [pixels]; less in small pictures.
+    pub columns: f64,
+    /// Distance of places along them, and of those of the lattice, as a share of the distance from the eye.
+    pub spacing: f64,
+    /// A difference of J, as a share of it and times the part of the way from the eye on which it is, that is still found on
+    /// finer places.
+    pub difference: f64,
+}
+
+/// The air's light in the picture of one view, at a moment.
+pub struct AirLight {
+    picture: Picture,
+}
+
+impl AirLight {
+    /// Prepares it; it is found as rays ask for it. `lattice` is that of the same geometry, materials and media, `light` that of
+    /// the moment.
+    pub fn new(
+        conditions: &Conditions,
+        lattice: Arc<Lattice>,
+        light: Arc<Light>,
+        fineness: Fineness,
+    ) -> Self {
+        let kinds = kinds(&conditions.air);
+        let lobes = Arc::new(Lobes::new(&kinds));
+        let eye = Eye::new(conditions);
+        let size = bounds(conditions).map_or(100.0, |[low, high]| (high - low).length());
+        // J changes over a box of fog as it does among walls.
+        let narrowest = conditions.air.media.iter().filter_map(|m| match m.shape {
+            Shape::Box { min, max } => Some(0.25 * (max - min).min_element()),
+            _ => None,
+        });
+        let otherwise = narrowest.fold(0.3 * size, f64::min).max(1e-9 * size);
+        let near = surroundings(conditions, eye, otherwise);
+        // J is looked up more often along a ray than it is found.
+        let step = 0.5 * fineness.spacing;
+        let knots = match eye {
+            Eye::At(place) => {
+                let dense = conditions.air.extinction_at(place).max_element();
+                Knots::new(step, near, dense)
+            }
+            Eye::Parallel(_, height) => Knots::new(step, 0.5 * height, 0.0),
+        };
+        let open = OpenAir::new(conditions, &light, lobes.clone());
+        let enclosed = Enclosed::new(
+            lattice,
+            light,
+            lobes,
+            conditions,
+            [fineness.spacing, fineness.difference],
+            near,
+        );
+        let around = Around::new(conditions, enclosed, open);
+        AirLight {
+            picture: Picture::new(conditions, around, kinds, knots, fineness.columns),
+        }
+    }
+
+    /// What weighs the air along rays: one for each thread.
+    pub fn sight(&self) -> Sight {
+        self.picture.sight()
+    }
+
+    /// The light [cd/m2] on a ray through a position of the picture [pixels] as far as `distance` [m], where a surface is met
+    /// (`is_met`) or the air ends.
+    pub fn light(
+        &self,
+        position: DVec2,
+        ray: &Ray,
+        distance: f64,
+        is_met: bool,
+        sight: &mut Sight,
+    ) -> DVec3 {
+        self.picture.light(position, ray, distance, is_met, sight)
+    }
+}
