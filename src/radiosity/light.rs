@@ -22,7 +22,11 @@ impl Light {
             sky: sky.map_or(vec![DVec3::ZERO; transport.dome.len()], |sky| {
                 transport.dome.radiances(sky)
             }),
-            open_ground: conditions.ground.map_or(DVec3::ZERO, |ground| ground.albedo) / PI * whole,
+            open_ground: conditions
+                .ground
+                .map_or(DVec3::ZERO, |ground| ground.albedo)
+                / PI
+                * whole,
             patches: vec![DVec3::ZERO],
         }
     }

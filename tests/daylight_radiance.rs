@@ -1,0 +1,431 @@
+//! Workplane illuminance in rooms against RADIANCE's rtrace: light from sky, sun and all surfaces.
+//!
+//! Both programs have the same triangles, reflectances, sky, sun and ground. rtrace has three channels that nothing mixes: in a
+//! grey room each has the luminance of another sky, and one run gives three truths; in a coloured one they are red, green and
+//! blue of one sky.
+//!
+//! Truths stand in `tests/truth`, one file a room, with the command that made them and what doubling bounces and rays changed.
+//! `TYNDALL_TRUTHS=study,well cargo test --release --test daylight_radiance rooms` makes those of some rooms anew (`all`: of
+//! all; hours). One is made in each run of the tests.
+
+mod common;
+
+use common::build::layer;
+use common::rooms::{ROOMS, Room, WEATHER, Weather, open_ground, room};
+use glam::DVec3;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+use tyndall::backend::{Backend, Limits, Wanted};
+use tyndall::colour::luminance;
+use tyndall::conditions::{CameraChoice, Conditions, Receiver, Request, View, toward};
+use tyndall::effect::Field;
+use tyndall::plan::{Overrules, Plan, Quality};
+use tyndall::scene::Camera;
+
+/// What is compared: three numbers a point.
+type Rows = Vec<[f64; 3]>;
+
+/// The quality at which a table of illuminances is held to these figures.
+const QUALITY: Quality = Quality::High;
+
+/// Relative differences: of the means, root mean square and greatest of the points'.
+#[derive(Debug, Clone, Copy)]
+struct Figures {
+    mean: f64,
+    rms: f64,
+    worst: f64,
+}
+
+/// What a room may be off.
+const ALLOWED: Figures = Figures {
+    mean: 0.005,
+    rms: 0.01,
+    worst: 0.03,
+};
+
+impl Figures {
+    fn new(found: &Rows, truth: &Rows, channel: usize) -> Self {
+        assert_eq!(found.len(), truth.len(), "one row a point");
+        let pairs = || {
+            found
+                .iter()
+                .zip(truth)
+                .map(|(f, t)| (f[channel], t[channel]))
+        };
+        let off = || pairs().map(|(f, t)| (f - t) / t);
+        let sums = pairs().fold((0.0, 0.0), |(a, b), (f, t)| (a + f, b + t));
+        Figures {
+            mean: sums.0 / sums.1 - 1.0,
+            rms: (off().map(|d| d * d).sum::<f64>() / found.len() as f64).sqrt(),
+            worst: off().fold(
+                0.0,
+                |worst: f64, d| if d.abs() > worst.abs() { d } else { worst },
+            ),
+        }
+    }
+
+    /// Whether all are at most a share of what is allowed.
+    fn within(&self, share: f64) -> bool {
+        self.mean.abs() <= share * ALLOWED.mean
+            && self.rms <= share * ALLOWED.rms
+            && self.worst.abs() <= share * ALLOWED.worst
+    }
+}
+
+impl std::fmt::Display for Figures {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let [mean, rms, worst] = [self.mean, self.rms, self.worst].map(|v| 100.0 * v);
+        write!(f, "mean {mean:+.3} %, rms {rms:.3} %, worst {worst:+.2} %")
+    }
+}
+
+/// What the three channels of a room's truth are.
+enum Channels {
+    /// The luminance of each sky.
+    Skies,
+    /// Red, green and blue, in the working space, of one sky.
+    Colours(Weather),
+}
+
+impl Channels {
+    fn of(room: &Room) -> Self {
+        let grey = |r: &DVec3| r.x == r.y && r.y == r.z;
+        match room.reflectances.iter().all(grey) {
+            true => Channels::Skies,
+            false => Channels::Colours(WEATHER[2]),
+        }
+    }
+
+    fn names(&self) -> [&'static str; 3] {
+        match self {
+            Channels::Skies => WEATHER.map(|w| w.name),
+            Channels::Colours(_) => ["red", "green", "blue"],
+        }
+    }
+
+    /// Three numbers of what a weather gives.
+    fn of_each<T>(&self, of: impl Fn(&Weather) -> T, value: impl Fn(&T) -> DVec3) -> [f64; 3] {
+        match self {
+            Channels::Skies => WEATHER.map(|w| luminance(value(&of(&w)))),
+            Channels::Colours(w) => value(&of(w)).to_array(),
+        }
+    }
+}
+
+fn conditions(room: &Room, weather: &Weather) -> Conditions {
+    let receivers: Vec<Receiver> = (room.points.iter())
+        .map(|p| Receiver {
+            position: *p,
+            normal: DVec3::Y,
+        })
+        .collect();
+    let request = Request {
+        size: Some([8, 8]),
+        samples: Some(1),
+        camera: CameraChoice::Given(Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 1.0)),
+        ..Request::default()
+    };
+    let conditions = Conditions::new(room.under(weather), &request).expect("the scene is sound");
+    conditions
+        .seen_from(View::of_points(receivers))
+        .expect("the points are sound")
+}
+
+/// Illuminance of a room's points [lx] under a weather: sun, sky and surfaces together, RGB.
+fn illuminances(room: &Room, weather: &Weather, backend: Wanted) -> Vec<DVec3> {
+    let conditions = conditions(room, weather);
+    let overrules = Overrules {
+        quality: QUALITY,
+        ..Overrules::default()
+    };
+    let plan = Plan::new(&conditions, &overrules).expect("the plan is sound");
+    let mut backend = Backend::open(backend).expect("there is one");
+    let rendered = backend.render(&plan, &Limits::default(), &|_| {});
+    let frame = rendered.expect("it works").frame;
+    frame.check().expect("every value is sound");
+    let layers = [Field::Sun, Field::Sky, Field::Indirect].map(|field| layer(&frame, field));
+    (0..room.points.len())
+        .map(|i| layers.iter().map(|layer| layer[i]).sum())
+        .collect()
+}
+
+/// What tyndall makes of a room, and the seconds it took.
+fn found(room: &Room, backend: Wanted) -> (Rows, f64) {
+    let begin = Instant::now();
+    let channels = Channels::of(room);
+    let rows = match &channels {
+        Channels::Skies => {
+            let all = WEATHER.map(|w| illuminances(room, &w, backend));
+            let row = |i: usize| [0, 1, 2].map(|k: usize| luminance(all[k][i]));
+            (0..room.points.len()).map(row).collect()
+        }
+        Channels::Colours(w) => (illuminances(room, w, backend).iter())
+            .map(|v| v.to_array())
+            .collect(),
+    };
+    (rows, begin.elapsed().as_secs_f64())
+}
+
+/// What rtrace is to know of a room.
+fn task(room: &Room, ab: u32, ad: u32) -> Value {
+    let channels = Channels::of(room);
+    let triangles: Vec<Vec<f64>> = (room.triangles.iter())
+        .map(|(corners, material)| {
+            let numbers = corners.iter().flat_map(|c| c.to_array());
+            numbers.chain([f64::from(*material)]).collect()
+        })
+        .collect();
+    // Each sky is prepared once.
+    let skies = |w: &Weather| conditions(room, w);
+    let all: Vec<Conditions> = match &channels {
+        Channels::Skies => WEATHER.iter().map(skies).collect(),
+        Channels::Colours(w) => vec![skies(w)],
+    };
+    let each = |of: &dyn Fn(&Conditions) -> DVec3| match all.as_slice() {
+        [one] => of(one).to_array(),
+        all => [0, 1, 2].map(|k: usize| luminance(of(&all[k]))),
+    };
+    let sky = |c: &Conditions| c.sky.clone().expect("there is one");
+    let table: Vec<Vec<[f64; 3]>> = (0..=90)
+        .map(|elevation| {
+            let at = |azimuth: i32| {
+                let d = toward(
+                    f64::from(azimuth).to_radians(),
+                    f64::from(elevation).to_radians(),
+                    0.0,
+                );
+                let d = DVec3::new(d.x, d.y.max(0.0), d.z);
+                each(&|c| sky(c).radiance(d))
+            };
+            (0..=360).map(at).collect()
+        })
+        .collect();
+    let suns: Vec<Vec<f64>> = (all.iter().enumerate())
+        .filter(|(_, c)| c.sun.shines())
+        .map(|(k, c)| {
+            let light = c.sun.light.illuminance;
+            let mut channels = [0.0; 3];
+            match all.len() {
+                1 => channels = light.to_array(),
+                _ => channels[k] = luminance(light),
+            }
+            [c.sun.toward.to_array(), channels].concat()
+        })
+        .collect();
+    let far = each(&|c| {
+        open_ground(
+            room.ground,
+            sky(c).horizontal_illuminance(),
+            c.sun.light.illuminance,
+            c.sun.toward,
+        )
+    });
+    let ground = all[0].ground.expect("there is one");
+    json!({
+        "triangles": triangles,
+        "materials": room.working().iter().map(|r| r.to_array()).collect::<Vec<_>>(),
+        "sky": table,
+        "suns": suns,
+        "ground": {"height": ground.height, "albedo": ground.albedo.to_array(), "extent": 200.0, "far": far},
+        "points": room.points.iter().map(|p| [p.x, p.y, p.z, 0.0, 1.0, 0.0]).collect::<Vec<_>>(),
+        "ab": ab,
+        "ad": ad,
+    })
+}
+
+/// What rtrace makes of a room.
+struct Traced {
+    rows: Rows,
+    seconds: f64,
+    command: String,
+}
+
+fn trace(test: &str, room: &Room, ab: u32, ad: u32) -> Option<Traced> {
+    let text = common::python(test, "rtrace.py", &task(room, ab, ad).to_string())?;
+    let out: Value = serde_json::from_str(&text).expect("rtrace.py prints JSON");
+    Some(Traced {
+        rows: serde_json::from_value(out["illuminances"].clone()).expect("three numbers a point"),
+        seconds: out["seconds"].as_f64().expect("a time"),
+        command: out["command"].as_str().expect("a command").to_owned(),
+    })
+}
+
+fn file(room: &Room) -> PathBuf {
+    let name = room.name.replace(' ', "_");
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/truth/{name}.csv"))
+}
+
+/// One number for the whole of what a truth was made for, so that one for another room is noticed.
+fn input(room: &Room) -> f64 {
+    let channels = Channels::of(room);
+    let sky = channels.of_each(
+        |w| conditions(room, w),
+        |c| {
+            let sky = c.sky.as_ref().expect("there is one");
+            sky.horizontal_illuminance() + c.sun.light.illuminance * c.sun.toward.y
+        },
+    );
+    let surface = |(corners, material): &([DVec3; 3], u32)| {
+        let [a, b, c] = *corners;
+        let reflectance = room.reflectances[*material as usize].dot(DVec3::new(1.0, 2.0, 3.0));
+        (b - a).cross(c - a).length() * reflectance * (1.0 + 0.1 * (a + b + c).length())
+    };
+    let surfaces: f64 = room.triangles.iter().map(surface).sum();
+    surfaces * (sky[0] + 2.0 * sky[1] + 3.0 * sky[2])
+}
+
+/// Makes a truth and stores it.
+fn make(test: &str, room: &Room) -> Option<()> {
+    let [ab, ad] = [12, 131_072];
+    let first = trace(test, room, ab, ad)?;
+    let twice = trace(test, room, 2 * ab, 2 * ad)?;
+    let names = Channels::of(room).names();
+    let mut text = format!(
+        "# {}: illuminance [lx] by `{}` in {:.0} s\n# input {:.9e}\n",
+        room.name,
+        twice.command,
+        twice.seconds,
+        input(room)
+    );
+    for (channel, name) in names.iter().enumerate() {
+        let change = Figures::new(&first.rows, &twice.rows, channel);
+        let _ = writeln!(text, "# half -ab and -ad, {name}: {change}");
+        eprintln!("{}, {name}: half -ab and -ad: {change}", room.name);
+        assert!(change.within(1.0 / 3.0), "this is no truth");
+    }
+    let _ = writeln!(text, "x,y,z,{}", names.join(","));
+    for (p, row) in room.points.iter().zip(&twice.rows) {
+        let [a, b, c] = row;
+        let _ = writeln!(
+            text,
+            "{:.6},{:.6},{:.6},{a:.4},{b:.4},{c:.4}",
+            p.x, p.y, p.z
+        );
+    }
+    std::fs::write(file(room), text).expect("the truth can be written");
+    Some(())
+}
+
+/// A stored truth.
+fn stored(room: &Room) -> Rows {
+    let path = file(room);
+    let text = std::fs::read_to_string(&path)
+        .unwrap_or_else(|_| panic!("{} has no truth: see the top of this file", room.name));
+    let made_for: f64 = (text.lines())
+        .find_map(|line| line.strip_prefix("# input "))
+        .and_then(|number| number.parse().ok())
+        .expect("a truth says what it was made for");
+    let input = input(room);
+    assert!(
+        (input / made_for - 1.0).abs() < 1e-6,
+        "{}: the truth was made for another room or sky: {made_for} {input}",
+        room.name
+    );
+    let rows = text.lines().filter(|l| !l.starts_with(['#', 'x']));
+    rows.map(|line| {
+        let numbers: Vec<f64> = line
+            .split(',')
+            .map(|v| v.parse().expect("a number"))
+            .collect();
+        [numbers[3], numbers[4], numbers[5]]
+    })
+    .collect()
+}
+
+/// Prints what a room is off, and lists what is more than is allowed.
+fn compare(room: &Room, found: &Rows, truth: &Rows, failures: &mut Vec<String>) {
+    for (channel, name) in Channels::of(room).names().iter().enumerate() {
+        let figures = Figures::new(found, truth, channel);
+        let line = format!("{}, {name}: {figures}", room.name);
+        eprintln!("{line}");
+        if !figures.within(1.0) {
+            failures.push(line);
+        }
+    }
+}
+
+#[test]
+fn rooms_have_the_light_that_radiance_gives_them() {
+    let test = "rooms_have_the_light_that_radiance_gives_them";
+    let asked = std::env::var("TYNDALL_TRUTHS").unwrap_or_default();
+    let mut failures = Vec::new();
+    for name in ROOMS {
+        let room = room(name, 1.0).expect("it is in the list");
+        if (asked == "all" || asked.split(',').any(|n| n == name)) && make(test, &room).is_none() {
+            return;
+        }
+        let (rows, seconds) = found(&room, Wanted::Reference);
+        eprintln!("{name}: {} points, {seconds:.1} s", room.points.len());
+        compare(&room, &rows, &stored(&room), &mut failures);
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+#[test]
+fn a_room_is_traced_anew_and_takes_twenty_times_as_long() {
+    let test = "a_room_is_traced_anew_and_takes_twenty_times_as_long";
+    let mut room = room("two windows", 1.0).expect("it is in the list");
+    let all = stored(&room);
+    // Some of its points, so that the test does not take long.
+    let step = 5;
+    room.points = room.points.iter().copied().step_by(step).collect();
+    let old: Rows = all.into_iter().step_by(step).collect();
+    let Some(new) = trace(test, &room, 10, 65_536) else {
+        return;
+    };
+    for (channel, name) in Channels::of(&room).names().iter().enumerate() {
+        let change = Figures::new(&new.rows, &old, channel);
+        eprintln!("rtrace against the stored truth, {name}: {change}");
+        assert!(change.within(0.6), "{name}: {change}");
+    }
+    let (rows, seconds) = found(&room, Wanted::Reference);
+    let mut failures = Vec::new();
+    compare(&room, &rows, &new.rows, &mut failures);
+    eprintln!(
+        "{} points under three skies: rtrace {:.1} s, tyndall {seconds:.2} s",
+        room.points.len(),
+        new.seconds
+    );
+    if seconds > new.seconds / 20.0 {
+        failures.push(format!("{seconds:.2} s, rtrace {:.1} s", new.seconds));
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+#[test]
+fn a_wrong_room_is_noticed() {
+    let sound = room("study", 1.0).expect("it is in the list");
+    let truth = stored(&sound);
+    for wrong in [
+        sound.lighter(0.05),
+        room("study", 1.05).expect("it is in the list"),
+    ] {
+        let (rows, _) = found(&wrong, Wanted::Reference);
+        for (channel, name) in Channels::of(&wrong).names().iter().enumerate() {
+            let figures = Figures::new(&rows, &truth, channel);
+            eprintln!("{name}: {figures}");
+            assert!(!figures.within(1.0), "{name}: {figures}");
+        }
+    }
+}
+
+/// What is compared fits together even without light from surfaces: black rooms are lit by sky and sun alone.
+#[test]
+fn a_black_room_has_the_light_of_sky_and_sun() {
+    let test = "a_black_room_has_the_light_of_sky_and_sun";
+    for name in ["study", "thick", "furnished"] {
+        let mut room = room(name, 1.0).expect("it is in the list").lighter(0.0);
+        room.reflectances.fill(DVec3::ZERO);
+        room.ground = 0.0;
+        room.points = room.points.iter().copied().step_by(3).collect();
+        let Some(truth) = trace(test, &room, 1, 1 << 20) else {
+            return;
+        };
+        let (rows, _) = found(&room, Wanted::Reference);
+        let mut failures = Vec::new();
+        compare(&room, &rows, &truth.rows, &mut failures);
+        assert!(failures.is_empty(), "{failures:#?}");
+    }
+}
