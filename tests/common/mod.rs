@@ -7,6 +7,7 @@ pub mod flat;
 pub mod gltf;
 pub mod obj;
 pub mod own_effects;
+pub mod receive;
 pub mod rooms;
 pub mod scenes;
 pub mod shafts;

@@ -393,9 +393,9 @@ pub fn room(name: &str, factor: f64) -> Option<Room> {
         .room("long", 0.6),
         "white" => Shell {
             outline: plan(4.0, 4.0),
-            height: 4.0,
-            openings: vec![window(0, [1.4, 2.5], [1.6, 2.7])],
-            reflectances: [0.9, 0.9, 0.9],
+            height: 3.5,
+            openings: vec![window(0, [1.2, 2.8], [1.2, 2.6])],
+            reflectances: [0.85, 0.85, 0.85],
             ..study
         }
         .room("white", 0.5),
