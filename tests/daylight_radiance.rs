@@ -10,25 +10,20 @@
 
 mod common;
 
-use common::build::layer;
-use common::rooms::{ROOMS, Room, WEATHER, Weather, open_ground, room};
+use common::judge::world;
+use common::receive::{self, at, received};
+use common::rooms::{ROOMS, Room, WEATHER, Weather, room};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Instant;
-use tyndall::backend::{Backend, Limits, Wanted};
+use tyndall::backend::Wanted;
 use tyndall::colour::luminance;
-use tyndall::conditions::{CameraChoice, Conditions, Receiver, Request, View, toward};
-use tyndall::effect::Field;
-use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::Camera;
+use tyndall::conditions::{Conditions, Receiver};
 
 /// What is compared: three numbers a point.
 type Rows = Vec<[f64; 3]>;
-
-/// The quality at which a table of illuminances is held to these figures.
-const QUALITY: Quality = Quality::High;
 
 /// Relative differences: of the means, root mean square and greatest of the points'.
 #[derive(Debug, Clone, Copy)]
@@ -104,136 +99,44 @@ impl Channels {
             Channels::Colours(_) => ["red", "green", "blue"],
         }
     }
+}
 
-    /// Three numbers of what a weather gives.
-    fn of_each<T>(&self, of: impl Fn(&Weather) -> T, value: impl Fn(&T) -> DVec3) -> [f64; 3] {
-        match self {
-            Channels::Skies => WEATHER.map(|w| luminance(value(&of(&w)))),
-            Channels::Colours(w) => value(&of(w)).to_array(),
-        }
+/// A room under a weather, seen by its points.
+fn conditions(room: &Room, weather: &Weather) -> Conditions {
+    let points: Vec<Receiver> = room.points.iter().map(|p| at(*p, DVec3::Y)).collect();
+    receive::conditions(room.under(weather), &points)
+}
+
+/// A room under the weather or the three of its channels.
+fn skies(room: &Room) -> Vec<Conditions> {
+    match Channels::of(room) {
+        Channels::Skies => WEATHER.iter().map(|w| conditions(room, w)).collect(),
+        Channels::Colours(w) => vec![conditions(room, &w)],
     }
 }
 
-fn conditions(room: &Room, weather: &Weather) -> Conditions {
-    let receivers: Vec<Receiver> = (room.points.iter())
-        .map(|p| Receiver {
-            position: *p,
-            normal: DVec3::Y,
-        })
-        .collect();
-    let request = Request {
-        size: Some([8, 8]),
-        samples: Some(1),
-        camera: CameraChoice::Given(Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 1.0)),
-        ..Request::default()
-    };
-    let conditions = Conditions::new(room.under(weather), &request).expect("the scene is sound");
-    conditions
-        .seen_from(View::of_points(receivers))
-        .expect("the points are sound")
-}
-
-/// Illuminance of a room's points [lx] under a weather: sun, sky and surfaces together, RGB.
-fn illuminances(room: &Room, weather: &Weather, backend: Wanted) -> Vec<DVec3> {
-    let conditions = conditions(room, weather);
-    let overrules = Overrules {
-        quality: QUALITY,
-        ..Overrules::default()
-    };
-    let plan = Plan::new(&conditions, &overrules).expect("the plan is sound");
-    let mut backend = Backend::open(backend).expect("there is one");
-    let rendered = backend.render(&plan, &Limits::default(), &|_| {});
-    let frame = rendered.expect("it works").frame;
-    frame.check().expect("every value is sound");
-    let layers = [Field::Sun, Field::Sky, Field::Indirect].map(|field| layer(&frame, field));
-    (0..room.points.len())
-        .map(|i| layers.iter().map(|layer| layer[i]).sum())
-        .collect()
-}
-
-/// What tyndall makes of a room, and the seconds it took.
+/// What tyndall makes of a room from sun, sky and surfaces together, and the seconds it took.
 fn found(room: &Room, backend: Wanted) -> (Rows, f64) {
+    let skies = skies(room);
     let begin = Instant::now();
-    let channels = Channels::of(room);
-    let rows = match &channels {
-        Channels::Skies => {
-            let all = WEATHER.map(|w| illuminances(room, &w, backend));
-            let row = |i: usize| [0, 1, 2].map(|k: usize| luminance(all[k][i]));
-            (0..room.points.len()).map(row).collect()
-        }
-        Channels::Colours(w) => (illuminances(room, w, backend).iter())
-            .map(|v| v.to_array())
-            .collect(),
+    let all: Vec<Vec<DVec3>> = skies.iter().map(|c| received(c, backend).total()).collect();
+    let row = |i: usize| match all.as_slice() {
+        [one] => one[i].to_array(),
+        all => [0, 1, 2].map(|k: usize| luminance(all[k][i])),
     };
+    let rows = (0..room.points.len()).map(row).collect();
     (rows, begin.elapsed().as_secs_f64())
 }
 
 /// What rtrace is to know of a room.
 fn task(room: &Room, ab: u32, ad: u32, repeats: u32) -> Value {
-    let channels = Channels::of(room);
-    let triangles: Vec<Vec<f64>> = (room.triangles.iter())
-        .map(|(corners, material)| {
-            let numbers = corners.iter().flat_map(|c| c.to_array());
-            numbers.chain([f64::from(*material)]).collect()
-        })
-        .collect();
-    // Each sky is prepared once.
-    let skies = |w: &Weather| conditions(room, w);
-    let all: Vec<Conditions> = match &channels {
-        Channels::Skies => WEATHER.iter().map(skies).collect(),
-        Channels::Colours(w) => vec![skies(w)],
-    };
-    let each = |of: &dyn Fn(&Conditions) -> DVec3| match all.as_slice() {
-        [one] => of(one).to_array(),
-        all => [0, 1, 2].map(|k: usize| luminance(of(&all[k]))),
-    };
-    let sky = |c: &Conditions| c.sky.clone().expect("there is one");
-    let table: Vec<Vec<[f64; 3]>> = (0..=90)
-        .map(|elevation| {
-            let at = |azimuth: i32| {
-                let d = toward(
-                    f64::from(azimuth).to_radians(),
-                    f64::from(elevation).to_radians(),
-                    0.0,
-                );
-                let d = DVec3::new(d.x, d.y.max(0.0), d.z);
-                each(&|c| sky(c).radiance(d))
-            };
-            (0..=360).map(at).collect()
-        })
-        .collect();
-    let suns: Vec<Vec<f64>> = (all.iter().enumerate())
-        .filter(|(_, c)| c.sun.shines())
-        .map(|(k, c)| {
-            let light = c.sun.light.illuminance;
-            let mut channels = [0.0; 3];
-            match all.len() {
-                1 => channels = light.to_array(),
-                _ => channels[k] = luminance(light),
-            }
-            [c.sun.toward.to_array(), channels].concat()
-        })
-        .collect();
-    let far = each(&|c| {
-        open_ground(
-            room.ground,
-            sky(c).horizontal_illuminance(),
-            c.sun.light.illuminance,
-            c.sun.toward,
-        )
-    });
-    let ground = all[0].ground.expect("there is one");
-    json!({
-        "triangles": triangles,
-        "materials": room.working().iter().map(|r| r.to_array()).collect::<Vec<_>>(),
-        "sky": table,
-        "suns": suns,
-        "ground": {"height": ground.height, "albedo": ground.albedo.to_array(), "extent": 60.0, "far": far},
-        "points": room.points.iter().map(|p| [p.x, p.y, p.z, 0.0, 1.0, 0.0]).collect::<Vec<_>>(),
-        "ab": ab,
-        "ad": ad,
-        "repeats": repeats,
-    })
+    let mut task = world(room, &skies(room));
+    let up = |p: &DVec3| json!([p.x, p.y, p.z, 0.0, 1.0, 0.0]);
+    task["points"] = room.points.iter().map(up).collect();
+    task["ab"] = json!(ab);
+    task["ad"] = json!(ad);
+    task["repeats"] = json!(repeats);
+    task
 }
 
 /// What rtrace makes of a room.
@@ -260,21 +163,20 @@ fn file(room: &Room) -> PathBuf {
 
 /// One number for the whole of what a truth was made for, so that one for another room is noticed.
 fn input(room: &Room) -> f64 {
-    let channels = Channels::of(room);
-    let sky = channels.of_each(
-        |w| conditions(room, w),
-        |c| {
-            let sky = c.sky.as_ref().expect("there is one");
-            sky.horizontal_illuminance() + c.sun.light.illuminance * c.sun.toward.y
-        },
-    );
+    let skies = skies(room);
+    let light = |c: &Conditions| {
+        let sky = c.sky.as_ref().expect("there is one");
+        sky.horizontal_illuminance() + c.sun.light.illuminance * c.sun.toward.y
+    };
+    let light: f64 = (skies.iter().zip([1.0, 2.0, 3.0]))
+        .map(|(c, weight)| weight * luminance(light(c)))
+        .sum();
     let surface = |(corners, material): &([DVec3; 3], u32)| {
         let [a, b, c] = *corners;
         let reflectance = room.reflectances[*material as usize].dot(DVec3::new(1.0, 2.0, 3.0));
         (b - a).cross(c - a).length() * reflectance * (1.0 + 0.1 * (a + b + c).length())
     };
-    let surfaces: f64 = room.triangles.iter().map(surface).sum();
-    surfaces * (sky[0] + 2.0 * sky[1] + 3.0 * sky[2])
+    room.triangles.iter().map(surface).sum::<f64>() * light
 }
 
 /// Makes a truth and stores it: the mean of two tracings, the second with twice the bounces. What doubling the rays changes is

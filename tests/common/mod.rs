@@ -5,6 +5,7 @@ pub mod build;
 pub mod files;
 pub mod flat;
 pub mod gltf;
+pub mod judge;
 pub mod obj;
 pub mod own_effects;
 pub mod receive;
