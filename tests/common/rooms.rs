@@ -531,6 +531,53 @@ pub const ROOMS: [&str; 10] = [
     "coloured",
 ];
 
+/// The coloured room with furniture, for pictures.
+pub fn interior() -> Room {
+    let mut room = room("furnished", 1.0).expect("it is in the list");
+    room.reflectances = vec![
+        dvec3(0.35, 0.25, 0.16),
+        dvec3(0.62, 0.58, 0.45),
+        dvec3(0.8, 0.8, 0.78),
+        dvec3(0.2, 0.3, 0.45),
+    ];
+    room
+}
+
+/// Houses of three colours along a street from north to south.
+pub fn street() -> Room {
+    let mut street = Room {
+        name: "street",
+        triangles: Vec::new(),
+        reflectances: vec![
+            dvec3(0.6, 0.35, 0.25),
+            dvec3(0.7, 0.68, 0.6),
+            dvec3(0.25, 0.35, 0.45),
+        ],
+        ground: 0.25,
+        points: Vec::new(),
+    };
+    // From south to north: width along the street, height; the two sides in turn.
+    for (side, houses) in [
+        (-1.0, [(9.0, 11.0), (7.0, 8.0), (10.0, 14.0), (8.0, 9.5)]),
+        (1.0, [(8.0, 9.0), (10.0, 12.5), (6.0, 7.0), (9.0, 15.0)]),
+    ] {
+        let mut z = 6.0;
+        for ((width, height), colour) in houses.into_iter().zip([0, 1, 2, 0]) {
+            let (near, far) = (4.5 * side, 12.0 * side);
+            let low = dvec3(f64::min(near, far), -PLINTH, z - width);
+            let high = dvec3(f64::max(near, far), height, z);
+            street.add((colour + u32::from(side > 0.0)) % 3, cuboid(low, high));
+            z -= width + 1.2;
+        }
+    }
+    // A house across the end.
+    street.add(
+        1,
+        cuboid(dvec3(-14.0, -PLINTH, -46.0), dvec3(14.0, 10.0, -38.0)),
+    );
+    street
+}
+
 /// The radiance of the ground where it lies open to a sky and a sun [cd/m2].
 pub fn open_ground(albedo: f64, sky: DVec3, sun: DVec3, toward: DVec3) -> DVec3 {
     albedo / PI * (sky + sun * toward.y.max(0.0))

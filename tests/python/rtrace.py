@@ -5,10 +5,10 @@ triangles: rows of nine coordinates and the number of a material; materials: row
 sky: radiances for elevations 0 to 90 degrees (rows) and azimuths 0 to 360 degrees from -Z over +X (columns), evenly spaced;
 suns: rows of a unit vector toward a sun that is a point, and its illuminances;
 ground: null, or height, albedo, extent and far: beyond `extent` [m] around the origin, the radiance of the plane where it lies open;
-points: rows of a place and a normal; ab, ad: the bounces and the divisions of a hemisphere; repeats: hemispheres of each point;
-n: processes.
+points: rows of a place and a normal; ab, ad: the bounces and the divisions of a hemisphere; repeats: a list, how many hemispheres
+each point has; n: processes.
 
-Out: illuminances, the seconds that rtrace took, and its command line.
+Out: illuminances, the standard deviation of one hemisphere's, the seconds that rtrace took, and its command line.
 
 Paths are traced without a cache (-aa 0). A weight limit that lets every division live is -lw below 0.8 / ad; below it rtrace
 ends paths by Russian roulette, which does not move the mean. It sums in single precision: with a million divisions, each a
@@ -93,9 +93,9 @@ def traced(given):
         octree = folder / "scene.oct"
         with octree.open("wb") as out:
             subprocess.run([ROOT / "bin/oconv", "-n", "30", "scene.rad"], check=True, stdout=out, cwd=folder)
-        repeats = given.get("repeats", 1)
         rays = "".join(
-            f"{row(turned(*point[:3]))} {row(turned(*point[3:6]))}\n" * repeats for point in given["points"]
+            f"{row(turned(*point[:3]))} {row(turned(*point[3:6]))}\n" * repeats
+            for point, repeats in zip(given["points"], given["repeats"], strict=True)
         )
         ab, ad = given["ab"], given["ad"]
         options = [
@@ -113,8 +113,13 @@ def traced(given):
             input=rays.encode(),
         ).stdout
         seconds = time.perf_counter() - begin
-    rows = np.frombuffer(out).reshape(len(given["points"]), repeats, 3).mean(axis=1)
-    return {"illuminances": rows.tolist(), "seconds": seconds, "command": " ".join(command)}
+    each = np.split(np.frombuffer(out).reshape(-1, 3), np.cumsum(given["repeats"])[:-1])
+    return {
+        "illuminances": [rows.mean(axis=0).tolist() for rows in each],
+        "spread": [rows.std(axis=0, ddof=min(1, len(rows) - 1)).tolist() for rows in each],
+        "seconds": seconds,
+        "command": " ".join(command),
+    }
 
 
 json.dump(traced(json.load(sys.stdin)), sys.stdout)
