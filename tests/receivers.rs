@@ -276,6 +276,26 @@ fn points_on_a_surface_are_not_shaded_by_it() {
 }
 
 #[test]
+fn a_point_far_off_takes_nothing_from_the_others() {
+    let test = "a_point_far_off_takes_nothing_from_the_others";
+    for count in [1, 30] {
+        let mut points = points(count);
+        points.push(at(DVec3::new(5e8, 3.0, -2e7), DVec3::Y));
+        let conditions = conditions(roof(), &points);
+        for (backend, frame) in pictures(test, &plan(&conditions, &[])) {
+            let found = illuminance(&frame, Field::Sun, &points);
+            let error = worst(&points, &found, sun(), 0.0);
+            eprintln!("{backend:?}, {count} points: {error:.1e}");
+            let allowed = match backend {
+                Wanted::Reference => 1e-6,
+                _ => 1e-5,
+            };
+            assert!(error < allowed, "{backend:?} {count}: {error}");
+        }
+    }
+}
+
+#[test]
 fn a_disc_cut_in_half_gives_half_its_light_however_many_points_there_are() {
     let mut scene = roof();
     if let Some(entry) = &mut scene.sun {

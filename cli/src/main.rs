@@ -17,7 +17,7 @@ mod plots;
 mod tables;
 mod tell;
 
-use crate::commands::{accuracy, completions, doctor, plan, render, schema, sky, sun};
+use crate::commands::{accuracy, completions, daylight, doctor, plan, render, schema, sky, sun};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -36,6 +36,9 @@ struct Cli {
 enum Command {
     Render(render::RenderArgs),
     Plan(plan::PlanCommand),
+    // A meter is read where a picture is looked at.
+    #[command(mut_arg("quality", |quality| quality.default_value("high")))]
+    Daylight(Box<daylight::DaylightArgs>),
     /// Sun position, rise, set, noon and twilights
     Sun(Box<sun::SunArgs>),
     Sky(Box<sky::SkyArgs>),
@@ -87,6 +90,7 @@ fn run(command: Command) -> ExitCode {
     let result = machine::prepare().and_then(|()| match command {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Daylight(args) => daylight::run(&args),
         Command::Sun(args) => sun::run(&args),
         Command::Sky(args) => sky::run(&args),
         Command::Accuracy(args) => accuracy::run(&args),

@@ -1,5 +1,6 @@
 //! What is said on standard error: what was understood, decided and done.
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::PathBuf;
 use tyndall::Error;
@@ -101,8 +102,21 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// How long it took.
-pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
+/// How far the work is, on a terminal and nowhere else.
+pub fn bar() -> ProgressBar {
+    ProgressBar::new(1000).with_style(
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    )
+}
+
+/// Shows a share of the work, 0 to 1, as done.
+pub fn share(bar: &ProgressBar, share: f64) {
+    bar.set_position((1000.0 * share) as u64);
+}
+
+/// How long the stages of the work took.
+pub fn stages(stages: &[(String, f64)]) {
     let total: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
     let parts: Vec<String> = stages
         .iter()
@@ -110,6 +124,11 @@ pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
         .map(|(name, seconds)| format!("{name} {seconds:.1}"))
         .collect();
     line("time", format!("{total:.1} s ({})", parts.join(", ")));
+}
+
+/// How long it took.
+pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
+    self::stages(stages);
     if rendered.refined > 0 {
         line(
             "samples",

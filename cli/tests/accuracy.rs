@@ -1,4 +1,4 @@
-//! `tyndall accuracy --effect shafts` from the outside: table, JSON, CSV, plot and pictures.
+//! `tyndall accuracy --effect shafts` and `--effect radiosity` from the outside: table, JSON, CSV, plot and pictures.
 
 use serde_json::Value;
 use std::path::Path;
@@ -114,4 +114,59 @@ fn the_study_of_shafts_as_json_and_csv() {
     };
     let counts: Vec<usize> = lines.map(cells).collect();
     assert_eq!(counts, vec![cells(heads); rows.len()], "{csv}");
+}
+
+/// What the study of light from sky and surfaces prints for the court at a tiny size.
+fn radiosity(folder: &Path, more: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_tyndall"))
+        .current_dir(folder)
+        .args(["accuracy", "--effect", "radiosity", "--study", "court"])
+        .args(["--study-size", "12x8", "--frames", "1"])
+        .args(["--backend", "reference"])
+        .args(more)
+        .output()
+        .expect("tyndall starts");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    String::from_utf8(output.stdout).expect("the output is UTF-8")
+}
+
+#[test]
+fn the_study_of_radiosity_has_its_table_its_plot_and_its_rows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = radiosity(folder.path(), &["--plot", "cost.svg"]);
+    for words in [
+        "medians of 1 frames",
+        "court, 12 x 8",
+        "sky      indirect inscatter_sky",
+        "quality                      preview",
+    ] {
+        assert!(table.contains(words), "`{words}` is not in\n{table}");
+    }
+    let plot = std::fs::read_to_string(folder.path().join("cost-court.svg")).expect("a plot");
+    assert!(plot.contains("Light from sky and surfaces: court"));
+
+    let json = radiosity(folder.path(), &["--json"]);
+    let json: Value = serde_json::from_str(&json).expect("it is JSON");
+    let rows = json.as_array().expect("a list of rows");
+    let qualities = rows.iter().filter(|row| row["knob"] == "quality").count();
+    assert_eq!(qualities, 3);
+    assert!(rows.len() > 8);
+    let error = |row: &Value| row["all_relative_rmse"].as_f64().expect("a number");
+    for row in rows {
+        assert!(error(row) >= 0.0 && row["ms"].as_f64().is_some_and(|ms| ms > 0.0));
+        assert!(row["sky_mean"].as_f64().is_some_and(|mean| mean > 0.0));
+    }
+    // Finer is better, and what beats all others is on the front.
+    let quality = |name: &str| {
+        let is = |row: &&Value| row["knob"] == "quality" && row["setting"] == name;
+        error(rows.iter().find(is).expect("the quality"))
+    };
+    assert!(quality("high") < quality("draft"));
+    let best = rows.iter().min_by(|a, b| error(a).total_cmp(&error(b)));
+    assert_eq!(best.expect("there are rows")["front_by_time"], true);
+
+    let csv = radiosity(folder.path(), &["--csv"]);
+    assert_eq!(csv.lines().count(), rows.len() + 1);
+    assert!(csv.starts_with("scene,backend,width,height,knob,setting,ms,"));
 }

@@ -93,6 +93,7 @@ fn a_picture_is_written_and_everything_is_said_on_standard_error() {
         "Z",
         "sun.R",
         "sky.G",
+        "indirect.B",
         "inscatter_sun.B",
         "transmittance.R",
         "normal.X",

@@ -117,8 +117,7 @@ impl Conditions {
     pub fn seen_from(&self, view: View) -> Result<Self> {
         checks::picture(view.size, view.samples)?;
         // Before the camera, which stands in the middle of the points.
-        view.points()
-            .map_or(Ok(()), |points| checks::receivers(points, view.size))?;
+        view.check_points()?;
         checks::camera(&view.camera)?;
         Ok(Conditions {
             view,

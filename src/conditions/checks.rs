@@ -1,6 +1,5 @@
 //! The domains of what a user can say.
 
-use super::Receiver;
 use crate::error::{Error, Result};
 use crate::medium::{ClearAir, Fog, Medium, Phase, Shape};
 use crate::scene::{Camera, Ground, Projection, SunEntry};
@@ -165,9 +164,26 @@ pub(super) fn north(degrees: f64) -> Result<()> {
     ))
 }
 
+/// Whether a point is where places are told apart.
+pub(super) fn near(point: DVec3) -> bool {
+    point.abs().cmple(DVec3::splat(FARTHEST)).all()
+}
+
+/// Checks where a point is that receives light.
+pub(super) fn position(point: DVec3) -> Result<()> {
+    if near(point) {
+        return Ok(());
+    }
+    Err(Error::domain(
+        "the position",
+        format!("{point} m"),
+        "-1e9 to 1e9 m in each coordinate",
+        "give metres in the scene's axes",
+    ))
+}
+
 /// Checks a camera's numbers.
 pub(super) fn camera(camera: &Camera) -> Result<()> {
-    let near = |point: DVec3| point.abs().cmple(DVec3::splat(FARTHEST)).all();
     if !near(camera.eye) {
         return Err(Error::domain(
             "the camera's eye",
@@ -324,34 +340,4 @@ pub(super) fn sun(entry: &SunEntry) -> Result<()> {
         )?;
     }
     Ok(())
-}
-
-/// Checks points that receive light, and whether a picture of that size has a pixel for each.
-pub(super) fn receivers(points: &[Receiver], [width, height]: [u32; 2]) -> Result<()> {
-    if points.is_empty() {
-        return Err(Error::input(
-            "the points",
-            "there are none",
-            "give at least one position and normal",
-        ));
-    }
-    if u64::from(width) * u64::from(height) < points.len() as u64 {
-        return Err(Error::input(
-            format!("the {} points", points.len()),
-            format!("a picture of {width} x {height} pixels has not one for each"),
-            "take the view as View::of_points makes it",
-        ));
-    }
-    let bad = points.iter().position(|point| {
-        !(point.position.is_finite() && (point.normal.length() - 1.0).abs() < 1e-6)
-    });
-    match bad {
-        None => Ok(()),
-        Some(i) => Err(Error::domain(
-            format!("point {}", i + 1),
-            format!("{}, normal {}", points[i].position, points[i].normal),
-            "a finite position and a normal of length 1",
-            "give metres in scene axes and a unit vector",
-        )),
-    }
 }

@@ -24,10 +24,13 @@ impl Sun {
 
     /// Why it gives no light, if it gives none.
     pub fn missing(&self) -> Option<&'static str> {
-        if self.toward.y <= -self.angular_radius().sin() || self.light.visible_share == 0.0 {
+        let given = self.light.irradiance.is_none();
+        if given && luminance(self.light.full_illuminance) <= 0.0 {
+            Some("it is a sun without light: it was given 0 lx")
+        } else if self.toward.y <= -self.angular_radius().sin() || self.light.visible_share == 0.0 {
             Some("the sun is below the horizon")
         } else if luminance(self.light.illuminance) <= 0.0 {
-            Some("the sun is up but gives no light (clouds hide it, or it was given none)")
+            Some("the sun is up but gives no light: clouds hide it")
         } else {
             None
         }
@@ -157,6 +160,42 @@ impl Sun {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A sun of an elevation [rad], an illuminance [lx] and a share above the horizon, given by the user or found.
+    fn sun(elevation: f64, illuminance: f64, visible_share: f64, given: bool) -> Sun {
+        let full_illuminance = DVec3::splat(illuminance);
+        Sun {
+            toward: DVec3::new(elevation.cos(), elevation.sin(), 0.0),
+            light: SunLight {
+                illuminance: visible_share * full_illuminance,
+                full_illuminance,
+                visible_share,
+                irradiance: (!given).then_some(0.01 * illuminance),
+                angular_radius: 0.0,
+                visible_elevation: elevation.max(0.0),
+                air_mass: None,
+            },
+            limb_darkening: false,
+        }
+    }
+
+    #[test]
+    fn why_there_is_no_sunlight() {
+        let missing = |sun: Sun| sun.missing().unwrap_or("nothing is missing");
+        for (elevation, share) in [(0.5, 1.0), (0.0, 0.0), (-0.3, 0.0)] {
+            let dark = missing(sun(elevation, 0.0, share, true));
+            assert!(dark.contains("a sun without light"), "{elevation}: {dark}");
+            assert!(!dark.contains("horizon") && !dark.contains("clouds"));
+        }
+        for given in [true, false] {
+            assert!(sun(0.5, 1e5, 1.0, given).shines());
+            let low = missing(sun(-0.3, 1e5, 0.0, given));
+            assert!(low.contains("below the horizon"), "{low}");
+        }
+        // At night nothing is left of a sun that is found; on an overcast day neither.
+        assert!(missing(sun(-0.3, 0.0, 0.0, false)).contains("below the horizon"));
+        assert!(missing(sun(0.5, 0.0, 1.0, false)).contains("clouds hide it"));
+    }
 
     #[test]
     fn points_of_the_disc_lie_around_its_middle_and_spread_alike_in_all_directions() {

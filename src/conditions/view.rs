@@ -1,5 +1,7 @@
 //! From where a scene is looked at: the pixels of a camera, or points whose illuminance is wanted.
 
+use super::checks;
+use crate::error::{Error, Result};
 use crate::scene::{Camera, Projection};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -37,6 +39,27 @@ pub struct Receiver {
     pub normal: DVec3,
 }
 
+impl Receiver {
+    /// A point, and a direction of any length toward the side that receives.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] for a coordinate beyond 1e9 m and for a direction of length 0.
+    pub fn new(position: DVec3, direction: DVec3) -> Result<Self> {
+        checks::position(position)?;
+        // First brought near 1, so that no square overflows or vanishes.
+        let normal = (direction / direction.abs().max_element()).try_normalize();
+        match normal {
+            Some(normal) if direction.is_finite() => Ok(Receiver { position, normal }),
+            _ => Err(Error::domain(
+                "the normal",
+                direction,
+                "a direction of a length above 0",
+                "0, 1, 0 is up",
+            )),
+        }
+    }
+}
+
 impl View {
     /// The most points in a row of the picture that they fill.
     const ROW: u32 = 512;
@@ -45,16 +68,9 @@ impl View {
     pub fn of_points(points: impl Into<Arc<[Receiver]>>) -> Self {
         let points: Arc<[Receiver]> = points.into();
         let count = points.len().max(1) as u32;
-        let (low, high) = points
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-                (low.min(p.position), high.max(p.position))
-            });
-        let eye = if points.is_empty() {
-            DVec3::ZERO
-        } else {
-            0.5 * (low + high)
-        };
+        // Of points, the few that lie far off do not take from the precision of the others.
+        let middle = |axis: usize| middle(points.iter().map(|p| p.position[axis]).collect());
+        let eye = DVec3::new(middle(0), middle(1), middle(2));
         let width = count.min(Self::ROW);
         View {
             camera: Camera {
@@ -79,6 +95,40 @@ impl View {
         }
     }
 
+    /// Checks the points that receive light, if there are any, and whether the picture has a pixel for each.
+    pub(super) fn check_points(&self) -> Result<()> {
+        let Some(points) = self.points() else {
+            return Ok(());
+        };
+        let [width, height] = self.size;
+        if points.is_empty() {
+            return Err(Error::input(
+                "the points",
+                "there are none",
+                "give at least one position and normal",
+            ));
+        }
+        if u64::from(width) * u64::from(height) < points.len() as u64 {
+            return Err(Error::input(
+                format!("the {} points", points.len()),
+                format!("a picture of {width} x {height} pixels has not one for each"),
+                "take the view as View::of_points makes it",
+            ));
+        }
+        let good = |point: &Receiver| {
+            checks::near(point.position) && (point.normal.length() - 1.0).abs() < 1e-6
+        };
+        match points.iter().position(|point| !good(point)) {
+            None => Ok(()),
+            Some(i) => Err(Error::domain(
+                format!("point {}", i + 1),
+                format!("{}, normal {}", points[i].position, points[i].normal),
+                "-1e9 to 1e9 m in each coordinate and a normal of length 1",
+                "give metres in scene axes and a unit vector",
+            )),
+        }
+    }
+
     /// The point whose illuminance a pixel holds.
     pub fn point(&self, pixel: glam::UVec2) -> Option<&Receiver> {
         let index = pixel.y * self.size[0] + pixel.x;
@@ -98,5 +148,20 @@ impl View {
                     .unwrap_or(camera.direction),
             },
         }
+    }
+}
+
+/// The median; of two in the middle the one nearer to 0. 0 for none.
+fn middle(mut values: Vec<f64>) -> f64 {
+    let half = values.len() / 2;
+    let whole = values.len() % 2 == 1;
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (below, upper, _) = values.select_nth_unstable_by(half, f64::total_cmp);
+    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    match whole || upper.abs() <= lower.abs() {
+        true => *upper,
+        false => lower,
     }
 }

@@ -2,8 +2,9 @@
 
 use super::definition::Effect;
 use super::{
-    air_shadow, compose, shadow, shafts_epipolar, shafts_march, shafts_planes, shafts_prefiltered,
-    shafts_rectified, sky_dome, sun_disc, surface_sky, surface_sun, transmittance, visibility,
+    air_shadow, compose, radiosity, shadow, shafts_epipolar, shafts_march, shafts_planes,
+    shafts_prefiltered, shafts_rectified, sky_dome, sun_disc, surface_sun, transmittance,
+    visibility,
 };
 
 /// Every effect, in the order in which they run: each after those whose fields it reads.
@@ -14,7 +15,7 @@ pub const ALL: &[&Effect] = &[
     &sun_disc::SUN_DISC,
     &shadow::SHADOW,
     &surface_sun::SURFACE_SUN,
-    &surface_sky::SURFACE_SKY,
+    &radiosity::RADIOSITY,
     &shafts_rectified::SHAFTS_RECTIFIED,
     &shafts_epipolar::SHAFTS_EPIPOLAR,
     &shafts_prefiltered::SHAFTS_PREFILTERED,

@@ -11,10 +11,10 @@ use super::{
     Contribution, Decision, Effect, Field, Knob, Over, Pass, RasterView, Resource, Source, Surface,
     When,
 };
-use crate::colour::{Space, srgb_decode};
+use crate::colour::Space;
 use crate::conditions::{Conditions, Receivers, View};
-use crate::scene::{Hit, Ray, cut_out::texel, opacity::choice};
-use glam::{DMat3, DVec2, DVec3, UVec2};
+use crate::scene::{Hit, Ray, opacity::choice};
+use glam::{DMat3, DVec3, UVec2};
 
 /// The first surface on each ray.
 pub const VISIBILITY: Effect = Effect {
@@ -191,23 +191,7 @@ fn triangle_surface(
         Some(n) => n,
         None => facet,
     };
-    let material = &conditions.scene.materials[triangle.material as usize];
-    let mut color = material.base_color;
-    if !mesh.colors.is_empty() {
-        color *= mix(triangle
-            .vertices
-            .map(|i| mesh.colors[i as usize].truncate()));
-    }
-    if let Some(index) = material.texture {
-        let uvs = triangle.vertices.map(|i| mesh.uvs[i as usize]);
-        let uv: DVec2 = uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2];
-        let texture = &conditions.scene.textures[index];
-        let x = texel(uv.x, texture.width, texture.wrap[0]);
-        let y = texel(uv.y, texture.height, texture.wrap[1]);
-        let [r, g, b, _] = texture.pixels[(y * texture.width + x) as usize];
-        let linear = |c: u8| srgb_decode(f64::from(c) / 255.0);
-        color *= DVec3::new(linear(r), linear(g), linear(b));
-    }
+    let color = conditions.scene.base_color(hit.triangle, hit.barycentric);
     Surface {
         source: Source::Triangle(hit.triangle, hit.barycentric),
         distance: hit.distance,

@@ -51,21 +51,21 @@ fields! {
     Surface, "surface", Surface;
     /// Share of light that comes through from the ray's end to the eye [1], RGB.
     Transmittance, "transmittance", Share;
-    /// Sunlight reflected by surfaces [cd/m2].
+    /// Light straight from the sun reflected by surfaces [cd/m2].
     Sun, "sun", Reflected;
     /// Light straight from the sky reflected by surfaces [cd/m2].
     Sky, "sky", Reflected;
     /// Light from other surfaces reflected by surfaces [cd/m2], whatever its source.
     Indirect, "indirect", Reflected;
-    /// Light of lamps reflected by surfaces [cd/m2].
+    /// Light straight from lamps reflected by surfaces [cd/m2].
     Lights, "lights", Reflected;
     /// Sky and disc seen directly [cd/m2].
     Background, "background", Behind;
-    /// Sunlight scattered by the air [cd/m2].
+    /// Light straight from the sun scattered by the air [cd/m2], and nothing else.
     InscatterSun, "inscatter_sun", Air;
-    /// Light from the sky and from surfaces scattered by the air [cd/m2].
+    /// Light straight from the sky, and all that surfaces send, whatever its source, scattered by the air [cd/m2].
     InscatterSky, "inscatter_sky", Air;
-    /// Light of lamps scattered by the air [cd/m2].
+    /// Light straight from lamps scattered by the air [cd/m2].
     InscatterLights, "inscatter_lights", Air;
 }
 

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `R` `G` `B` | the picture: the sum of all layers [cd/m2] |
 //! | `Z` | distance along the ray [m], 1e10 where nothing is hit; not in maps |
-//! | `sun.R` ... `inscatter_lights.B` | the layers of [`Field`](crate::frame::Field) [cd/m2]; zero where one was not run |
+//! | `sun.R`, `indirect.R` ... `inscatter_lights.B` | the layers of [`Field`](crate::frame::Field) [cd/m2]; zero where one was not run |
 //! | `transmittance.R` `.G` `.B` | share of light that the air lets through |
 //! | `normal.X` `.Y` `.Z` | unit normal, scene axes |
 //!

@@ -175,7 +175,8 @@ mod tests {
     #[test]
     fn layers_by_name() {
         let all = select_layers::<&str>(&[]).expect("no names are all names");
-        assert_eq!(all.len(), 9);
+        assert_eq!(all.len(), 10);
+        assert_eq!(all[..3], ["sun", "sky", "indirect"]);
         let two = select_layers(&["normal", "sun", "normal"]).expect("both are known");
         assert_eq!(two, ["normal", "sun"]);
         let error = select_layers(&["inscater_sun"]).expect_err("it is misspelt");

@@ -1,6 +1,7 @@
 //! What a place receives, direction by direction.
 
 use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
 
 /// Where light comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -28,10 +29,77 @@ pub struct Arrival {
     pub source: Source,
 }
 
-/// The direction around +Z of a point of the unit square, equal areas for equal shares of cos(theta) dw: the concentric map
-/// of Shirley & Chiu 1997 onto the disc, raised to the hemisphere.
+/// A map of the unit square to directions, equal areas for equal weights.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Map {
+    /// All round a point, by solid angle: the cylinder of Archimedes around the vertical.
+    Sphere,
+    /// Before a surface, by the cosine law: the concentric map of Shirley & Chiu 1997 onto the disc, raised to the hemisphere around
+    /// the third of three axes.
+    Cosine([DVec3; 3]),
+}
+
+impl Map {
+    /// That before a surface of a normal.
+    pub fn before(normal: DVec3) -> Self {
+        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        Map::Cosine([tangent, bitangent, normal])
+    }
+
+    /// The sum of all weights: solid angles [sr], or form factors [1].
+    pub fn whole(&self) -> f64 {
+        match self {
+            Map::Sphere => 4.0 * PI,
+            Map::Cosine(_) => 1.0,
+        }
+    }
+
+    /// The direction of a point of the square.
+    pub fn toward(&self, x: f64, y: f64) -> DVec3 {
+        match self {
+            Map::Sphere => {
+                let height = 2.0 * y - 1.0;
+                let level = (1.0 - height * height).max(0.0).sqrt();
+                let (sin, cos) = (2.0 * PI * x).sin_cos();
+                DVec3::new(level * cos, height, level * sin)
+            }
+            Map::Cosine([u, v, w]) => {
+                let d = cosine_law(x, y);
+                *u * d.x + *v * d.y + *w * d.z
+            }
+        }
+    }
+
+    /// The point of the square of a unit direction, if it has one.
+    pub fn place(&self, toward: DVec3) -> Option<[f64; 2]> {
+        match self {
+            Map::Sphere => {
+                let turn = toward.z.atan2(toward.x) / (2.0 * PI);
+                Some([turn.rem_euclid(1.0), 0.5 + 0.5 * toward.y])
+            }
+            Map::Cosine([u, v, w]) => {
+                if toward.dot(*w) <= 0.0 {
+                    return None;
+                }
+                let (x, y) = (toward.dot(*u), toward.dot(*v));
+                let radius = x.hypot(y).min(1.0);
+                let (a, b) = if x.abs() > y.abs() {
+                    let a = radius.copysign(x);
+                    (a, a * (y / x).atan() * 4.0 / PI)
+                } else if radius > 0.0 {
+                    let b = radius.copysign(y);
+                    (b * (x / y).atan() * 4.0 / PI, b)
+                } else {
+                    (0.0, 0.0)
+                };
+                Some([0.5 * (a + 1.0), 0.5 * (b + 1.0)])
+            }
+        }
+    }
+}
+
+/// The direction around +Z of a point of the unit square by the cosine law.
 pub(super) fn cosine_law(x: f64, y: f64) -> DVec3 {
-    use std::f64::consts::PI;
     let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
     if a == 0.0 && b == 0.0 {
         return DVec3::Z;
@@ -49,11 +117,25 @@ pub(super) fn cosine_law(x: f64, y: f64) -> DVec3 {
     )
 }
 
-/// The direction of a point of the unit square, equal areas for equal solid angles of the sphere: the cylinder of Archimedes around
-/// the vertical.
-pub(super) fn all_round(x: f64, y: f64) -> DVec3 {
-    let height = 2.0 * y - 1.0;
-    let level = (1.0 - height * height).max(0.0).sqrt();
-    let (sin, cos) = (2.0 * std::f64::consts::PI * x).sin_cos();
-    DVec3::new(level * cos, height, level * sin)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_comes_from_its_place() {
+        let normal = DVec3::new(0.3, -0.7, 0.5).normalize();
+        for map in [Map::Sphere, Map::before(normal)] {
+            for i in 0..31 {
+                for j in 0..31 {
+                    let at = [i, j].map(|k| (f64::from(k) + 0.4) / 31.0);
+                    let found = map.place(map.toward(at[0], at[1]));
+                    let [x, y] = found.expect("it is before the surface");
+                    assert!(
+                        (x - at[0]).abs() + (y - at[1]).abs() < 1e-9,
+                        "{at:?} {x} {y}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -1,27 +1,27 @@
 //! The sky's patches, found by direction.
 
-use crate::error::Result;
 use crate::sky::Sky;
-use crate::sky::patches::{Patch, Subdivision, dome, radiances, row_of};
+use crate::sky::patches::{Finder, Patch, Subdivision, dome, radiances};
 use glam::DVec3;
 
 /// The sky dome in patches whose number is found from a direction.
 #[derive(Debug, Clone)]
 pub struct Dome {
-    factor: u32,
+    finder: Finder,
     patches: Vec<Patch>,
 }
 
 impl Dome {
-    /// Tregenza's patches, each split `factor` times each way: 145, 577, 2 305 (4) and so on; 1 to 16.
-    ///
-    /// # Errors
-    /// [`crate::Error::Domain`] for another factor.
-    pub fn new(factor: u32) -> Result<Self> {
-        Ok(Dome {
-            factor,
-            patches: dome(Subdivision::Reinhart(factor))?,
-        })
+    /// The patches of a subdivision; a Reinhart factor other than 1 to 16 is the nearest of these.
+    pub fn new(subdivision: Subdivision) -> Self {
+        let subdivision = match subdivision {
+            Subdivision::Reinhart(factor) => Subdivision::Reinhart(factor.clamp(1, 16)),
+            other => other,
+        };
+        Dome {
+            finder: Finder::new(subdivision),
+            patches: dome(subdivision).unwrap_or_default(),
+        }
     }
 
     /// Number of patches.
@@ -34,9 +34,14 @@ impl Dome {
         self.patches.is_empty()
     }
 
-    /// The patch of a direction above the horizon; of one below it, the patch on the horizon.
+    /// The patches.
+    pub fn patches(&self) -> &[Patch] {
+        &self.patches
+    }
+
+    /// The number of the patch of a direction above the horizon; of one below it, the patch on the horizon.
     pub fn patch_of(&self, toward: DVec3) -> u32 {
-        row_of(self.factor, toward)
+        self.finder.patch_of(&self.patches, toward)
     }
 
     /// Mean radiance of each patch [cd/m2, RGB].

@@ -1,34 +1,117 @@
-//! How bright every source is at a moment.
+//! How bright every source is at a moment: progressive refinement.
+//!
+//! The patches that have most unshot light shoot it to all that they see, until the unshot share of each is below the tolerance
+//! (Cohen, Chen, Wallace & Greenberg 1988): of each, since the ground around a house holds more than all its rooms. Of what arrives at a patch its reflectance is sent on and the rest absorbed; what meets no patch
+//! escapes; what media take on the way stays there. At every step emitted = absorbed + escaped + taken + unshot.
+//!
+//! Differs from the ReLiShaft paper's algorithm 2 as that must be read: dB_j = rho_j dB_i F_ij A_i / A_j.
 
 use super::arrival::{Arrival, Source};
+use super::patches::spread;
 use super::transport::Transport;
 use crate::conditions::Conditions;
+use crate::scene::Ray;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// How bright every source is at a moment [cd/m2, RGB].
 pub struct Light {
     sky: Vec<DVec3>,
     open_ground: DVec3,
+    /// What open ground receives from the sky [lx].
+    open_sky: DVec3,
     patches: Vec<DVec3>,
+    /// The account of energy.
+    pub account: Account,
 }
 
+/// Where the light went that sky, sun and open ground gave to surfaces [lm, RGB].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Account {
+    /// What surfaces received from outside.
+    pub received: DVec3,
+    /// What they absorbed of it, at once or later.
+    pub absorbed: DVec3,
+    /// What left the scene.
+    pub escaped: DVec3,
+    /// What the air took between surfaces.
+    pub taken: DVec3,
+    /// What was not shot.
+    pub unshot: DVec3,
+    /// How often a patch shot.
+    pub shots: u64,
+}
+
+/// Shadow rays to a patch by which it is found how much of it the sun lights: first, and where they differ.
+const SUN_RAYS: [usize; 2] = [16, 128];
+
 impl Light {
-    /// Finds it for the sun and the sky of `conditions`, over the transport of the same scene.
-    pub fn new(transport: &Transport, conditions: &Conditions) -> Self {
+    /// Finds it for the sun and the sky of `conditions`, over the transport of the same scene, until the unshot share of what
+    /// surfaces received is below `unshot`.
+    pub fn new(transport: &Transport, conditions: &Conditions, unshot: f64) -> Self {
         let sky = conditions.sky.as_ref();
-        let whole = sky.map_or(DVec3::ZERO, |sky| sky.horizontal_illuminance());
-        Light {
-            sky: sky.map_or(vec![DVec3::ZERO; transport.dome.len()], |sky| {
-                transport.dome.radiances(sky)
-            }),
-            open_ground: conditions
-                .ground
-                .map_or(DVec3::ZERO, |ground| ground.albedo)
-                / PI
-                * whole,
-            patches: vec![DVec3::ZERO],
+        let sky = sky.map_or(vec![DVec3::ZERO; transport.dome.len()], |sky| {
+            transport.dome.radiances(sky)
+        });
+        let [open_sky, open_sun] = on_open_ground(transport, conditions, &sky);
+        let open_ground =
+            conditions.ground.map_or(DVec3::ZERO, |g| g.albedo) / PI * (open_sky + open_sun);
+        let mut light = Light {
+            sky,
+            open_sky,
+            open_ground,
+            patches: Vec::new(),
+            account: Account::default(),
+        };
+        let irradiance: Vec<DVec3> = (0..transport.patches.all.len())
+            .into_par_iter()
+            .map(|patch| {
+                let outside = transport.exchange.outside[patch].iter();
+                let sky: DVec3 = outside
+                    .map(|(source, _, through)| through.as_dvec3() * light.radiance(*source))
+                    .sum();
+                PI * sky + sun_on(transport, conditions, patch)
+            })
+            .collect();
+        let (exitance, account) = shoot(transport, &irradiance, unshot);
+        light.patches = exitance.into_iter().map(|m| m / PI).collect();
+        light.account = account;
+        if std::env::var("TD").is_ok() {
+            eprintln!(
+                "rays {}",
+                super::transport::RAYS.load(std::sync::atomic::Ordering::Relaxed)
+            );
+            let n = transport.patches.all.len();
+            let active = transport
+                .exchange
+                .outside
+                .iter()
+                .zip(&transport.exchange.to)
+                .filter(|(a, b)| !a.is_empty() || !b.is_empty())
+                .count();
+            eprintln!(
+                "openings {} patches {n} active {active} coarse {} correction {} account {account:?}",
+                transport.openings.all().len(),
+                transport.patches.coarse,
+                transport.exchange.correction
+            );
+            if n < 3 {
+                for (i, p) in transport.patches.all.iter().enumerate() {
+                    eprintln!(
+                        "{i} area {:.4} albedo {:.2} esc {:.3} E {:.2} L {:.3} sum {:.4} to {}",
+                        p.area,
+                        p.albedo.x,
+                        transport.exchange.escapes[i],
+                        irradiance[i].y,
+                        light.patches[i].y,
+                        transport.exchange.to[i].iter().map(|t| t.1).sum::<f32>(),
+                        transport.exchange.to[i].len()
+                    );
+                }
+            }
         }
+        light
     }
 
     /// The radiance of a source [cd/m2, RGB].
@@ -41,8 +124,136 @@ impl Light {
         }
     }
 
+    /// What the open ground receives: straight from the sky, and from surfaces [lx, RGB].
+    pub(super) fn on_open_ground(&self) -> [DVec3; 2] {
+        [self.open_sky, DVec3::ZERO]
+    }
+
     /// The light of one arrival: share times radiance times what is let through.
     pub fn of(&self, arrival: &Arrival) -> DVec3 {
         f64::from(arrival.share) * arrival.through.as_dvec3() * self.radiance(arrival.source)
     }
+}
+
+/// What ground receives that lies open: from the sky, and from the sun [lx, RGB].
+fn on_open_ground(transport: &Transport, conditions: &Conditions, sky: &[DVec3]) -> [DVec3; 2] {
+    let Some(ground) = conditions.ground else {
+        return [DVec3::ZERO; 2];
+    };
+    let air = &conditions.air;
+    let place = DVec3::new(0.0, ground.height, 0.0);
+    let mut whole = DVec3::ZERO;
+    for (patch, radiance) in transport.dome.patches().iter().zip(sky) {
+        let depth = air.sky_optical_depth(place, patch.direction);
+        whole += patch.projected * *radiance * (-depth).exp();
+    }
+    let sun = &conditions.sun;
+    if !sun.shines() || sun.toward.y <= 0.0 {
+        return [whole, DVec3::ZERO];
+    }
+    let depth = air.sun_optical_depth(place, sun.toward);
+    [whole, sun.light.illuminance * sun.toward.y * (-depth).exp()]
+}
+
+/// The illuminance that the sun gives to a patch on average [lx, RGB].
+fn sun_on(transport: &Transport, conditions: &Conditions, patch: usize) -> DVec3 {
+    let sun = &conditions.sun;
+    let own = &transport.patches.all[patch];
+    if !sun.shines()
+        || transport.exchange.outside[patch].is_empty() && transport.exchange.to[patch].is_empty()
+    {
+        return DVec3::ZERO;
+    }
+    let near = transport.near(DVec3::ZERO);
+    let lit = |range: std::ops::Range<usize>| {
+        let mut sum = DVec3::ZERO;
+        let mut some = [false; 2];
+        for i in range {
+            let spot = own.spot(&spread(i, patch as u64));
+            let cosine = spot.normal.dot(sun.toward);
+            if cosine <= 0.0 {
+                continue;
+            }
+            let ray = Ray {
+                origin: spot.point + near * spot.normal,
+                direction: sun.toward,
+            };
+            let through = conditions.geometry.transmittance(&ray, 0.0, f64::INFINITY);
+            some[usize::from(through > 0.0)] = true;
+            if through > 0.0 {
+                let depth = conditions.air.sun_optical_depth(spot.point, sun.toward);
+                sum += through * cosine * (-depth).exp();
+            }
+        }
+        (sum, some)
+    };
+    let [few, many] = SUN_RAYS;
+    let (mut sum, some) = lit(0..few);
+    let mut count = few;
+    if some == [true, true] {
+        sum += lit(few..many).0;
+        count = many;
+    }
+    sun.light.illuminance * sum / count as f64
+}
+
+/// What each patch sends in the end [lm/m2, RGB], for what it receives from outside.
+fn shoot(transport: &Transport, irradiance: &[DVec3], tolerance: f64) -> (Vec<DVec3>, Account) {
+    let patches = &transport.patches.all;
+    let exchange = &transport.exchange;
+    let mut account = Account::default();
+    let mut exitance: Vec<DVec3> = Vec::with_capacity(patches.len());
+    // Light on its way [lm].
+    let mut waiting: Vec<DVec3> = Vec::with_capacity(patches.len());
+    for (patch, irradiance) in patches.iter().zip(irradiance) {
+        let sent = patch.albedo * *irradiance;
+        account.received += patch.area * *irradiance;
+        account.absorbed += patch.area * (*irradiance - sent);
+        exitance.push(sent);
+        waiting.push(patch.area * sent);
+    }
+    // A patch has done its part when what it has not shot is this share of all that it sends; of a bright one less, since that comes
+    // back to it again and again.
+    let done: Vec<f64> = patches
+        .iter()
+        .map(|patch| tolerance * patch.area * (1.0 - patch.albedo.max_element()).max(1e-4))
+        .collect();
+    let waits = |i: usize, waiting: &[DVec3], exitance: &[DVec3]| {
+        let own = waiting[i].element_sum();
+        if own > done[i] * exitance[i].element_sum() {
+            own
+        } else {
+            0.0
+        }
+    };
+    loop {
+        let most = (0..patches.len()).map(|i| waits(i, &waiting, &exitance));
+        let level = 0.5 * most.fold(0.0, f64::max);
+        if level == 0.0 {
+            break;
+        }
+        for from in 0..patches.len() {
+            if waits(from, &waiting, &exitance) < level {
+                continue;
+            }
+            let flux = std::mem::take(&mut waiting[from]);
+            account.shots += 1;
+            account.escaped += flux * exchange.escapes[from];
+            let mut rest = flux * (1.0 - exchange.escapes[from]);
+            for (to, share, through) in &exchange.to[from] {
+                let to = *to as usize;
+                let arrives = flux * through.as_dvec3();
+                let sent = patches[to].albedo * arrives;
+                account.absorbed += arrives - sent;
+                account.taken += flux * f64::from(*share) - arrives;
+                rest -= flux * f64::from(*share);
+                waiting[to] += sent;
+                exitance[to] += sent / patches[to].area;
+            }
+            // What scaling has left of a row's sum.
+            account.absorbed += rest;
+        }
+    }
+    account.unshot = waiting.iter().copied().sum();
+    (exitance, account)
 }

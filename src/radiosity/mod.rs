@@ -6,11 +6,20 @@
 //! another [`Light`] over the same transport.
 
 mod arrival;
+mod cells;
 mod dome;
+mod exchange;
+mod gather;
+mod lattice;
 mod light;
+mod openings;
+mod patches;
+mod planes;
 mod transport;
 
 pub use arrival::{Arrival, Source};
 pub use dome::Dome;
-pub use light::Light;
+pub use gather::Care;
+pub use lattice::{Lattice, Received};
+pub use light::{Account, Light};
 pub use transport::{Detail, Transport};

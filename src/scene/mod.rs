@@ -4,6 +4,7 @@
 //! lacks. Nothing here is physics yet: [`crate::conditions`] makes it so, and is the one place where domains are checked.
 
 mod assembly;
+mod base_color;
 pub mod camera;
 mod check;
 pub mod curtain;

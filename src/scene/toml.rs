@@ -42,7 +42,7 @@ struct SceneFile {
     sun: Option<SunTable>,
     /// The sky; what is absent takes the default.
     sky: Option<SkyTable>,
-    /// An endless plane that rays meet which miss everything else below the horizon.
+    /// An endless plane that rays meet which miss everything else below the horizon; where there is none, nothing comes from there.
     ground: Option<GroundTable>,
     /// What fills the air; where media overlap, their coefficients add.
     #[serde(default)]

@@ -92,6 +92,20 @@ pub fn radiances(sky: &Sky, patches: &[Patch]) -> Vec<DVec3> {
 }
 
 impl Patch {
+    /// How far within the planes of its sides a direction lies: not below 0 where a triangle contains it. Cells contain nothing.
+    fn within(&self, toward: DVec3) -> f64 {
+        let Area::Triangle([a, b, c]) = self.area else {
+            return f64::NEG_INFINITY;
+        };
+        let sides = [a.cross(b), b.cross(c), c.cross(a)];
+        let inside = sides.map(|side| side.dot(toward));
+        let turned = a.dot(sides[1]).signum();
+        inside
+            .into_iter()
+            .map(|s| turned * s)
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// Mean of a function of direction over the patch.
     fn mean(&self, f: impl Fn(DVec3) -> DVec3) -> DVec3 {
         match self.area {
@@ -163,9 +177,107 @@ fn cells(n: u32) -> Vec<Patch> {
     patches
 }
 
+/// Finds the patch of a direction.
+#[derive(Debug, Clone)]
+pub(crate) enum Finder {
+    /// Among cells of Reinhart's factor.
+    Cells(u32),
+    /// Among the triangles.
+    Triangles(Box<Rings>),
+}
+
+/// The strips of triangles between rings of points: points in each ring, and the number of each strip's first triangle.
+#[derive(Debug, Clone)]
+pub(crate) struct Rings {
+    points: [usize; RINGS],
+    first: [usize; RINGS],
+}
+
+impl Finder {
+    /// For the patches of a subdivision.
+    pub(crate) fn new(subdivision: Subdivision) -> Self {
+        match subdivision {
+            Subdivision::Triangles => Finder::Triangles(Box::new(Rings::new())),
+            Subdivision::Tregenza => Finder::Cells(1),
+            Subdivision::Reinhart(n) => Finder::Cells(n),
+        }
+    }
+
+    /// The number, in the order of [`dome`], of the one of its `patches` that a unit direction points to; below the horizon that of the
+    /// lowest row or strip.
+    pub(crate) fn patch_of(&self, patches: &[Patch], toward: DVec3) -> u32 {
+        match self {
+            Finder::Cells(n) => row_of(*n, toward),
+            Finder::Triangles(rings) => rings.triangle_of(patches, toward),
+        }
+    }
+}
+
+impl Rings {
+    fn new() -> Self {
+        let points = ring_points();
+        let mut first = [0; RINGS];
+        for ring in 1..RINGS {
+            let inner = if ring == 1 { 0 } else { points[ring - 2] };
+            first[ring] = first[ring - 1] + inner + points[ring - 1];
+        }
+        Rings { points, first }
+    }
+
+    fn triangle_of(&self, patches: &[Patch], toward: DVec3) -> u32 {
+        let toward = DVec3::new(toward.x, toward.y.max(0.0), toward.z);
+        let theta = toward.x.hypot(toward.z).atan2(toward.y);
+        let turn = (toward.x.atan2(-toward.z) / (2.0 * PI)).rem_euclid(1.0);
+        let strip = (theta / FRAC_PI_2 * RINGS as f64) as usize;
+        // Sides are arcs of great circles and rise above the rings: there the strip below begins.
+        let strips = strip.min(RINGS - 1)..(strip + 2).min(RINGS);
+        let mut best = (f64::NEG_INFINITY, 0);
+        for number in strips.flat_map(|strip| self.near(strip, turn)) {
+            let within = patches
+                .get(number)
+                .map_or(f64::NEG_INFINITY, |p| p.within(toward));
+            if within >= 0.0 {
+                return number as u32;
+            }
+            if within > best.0 {
+                best = (within, number);
+            }
+        }
+        best.1 as u32
+    }
+
+    /// The triangles of a strip that may contain a direction of an azimuth [turns]: those that have a side on the outer or the
+    /// inner ring there or beside it.
+    fn near(&self, strip: usize, turn: f64) -> impl Iterator<Item = usize> {
+        let outer = self.points[strip];
+        let inner = if strip == 0 {
+            0
+        } else {
+            self.points[strip - 1]
+        };
+        let first = self.first[strip];
+        let sides = move |count: usize| {
+            let side = (turn * count as f64) as usize + count;
+            let some = if count == 0 { 0 } else { 3 };
+            [side, side + count - count.min(1), side + 1]
+                .into_iter()
+                .map(move |side| side % count.max(1))
+                .take(some)
+        };
+        // Both rings' triangles stand in the order of the middles of their sides, the outer one's first where two agree.
+        let on_outer = sides(outer).map(move |o| match inner {
+            0 => first + o,
+            _ => first + o + ((2 * o + 1) * inner + outer - 1) / (2 * outer),
+        });
+        let on_inner =
+            sides(inner).map(move |i| first + i + ((2 * i + 1) * outer + inner) / (2 * inner));
+        on_outer.chain(on_inner)
+    }
+}
+
 /// The number, in the order of [`dome`], of the patch of Reinhart's factor `n` that a unit direction points to; below the horizon that
 /// of the lowest row.
-pub(crate) fn row_of(n: u32, toward: DVec3) -> u32 {
+fn row_of(n: u32, toward: DVec3) -> u32 {
     let height = 90.0 / (7.0 * f64::from(n) + 0.5) * DEG;
     let elevation = toward.y.clamp(0.0, 1.0).asin();
     let row = (elevation / height) as u32;
@@ -182,13 +294,13 @@ pub(crate) fn row_of(n: u32, toward: DVec3) -> u32 {
     before + place.rem_euclid(i64::from(count)) as u32
 }
 
-fn triangles() -> Vec<Patch> {
-    // Points per ring in proportion to its circumference; 2 (m1 + ... + m35) + m36 triangles, made 5 728 in the widest ring.
-    let mut counts: Vec<usize> = (1..=RINGS)
-        .map(|k| {
-            (HORIZON_POINTS as f64 * (FRAC_PI_2 * k as f64 / RINGS as f64).sin()).round() as usize
-        })
-        .collect();
+/// Points in each ring of the triangle mesh, from the top down: in proportion to the ring's circumference; 2 (m1 + ... + m35) + m36
+/// triangles, made 5 728 in the widest rings.
+fn ring_points() -> [usize; RINGS] {
+    let mut counts: [usize; RINGS] = std::array::from_fn(|k| {
+        let theta = FRAC_PI_2 * (k + 1) as f64 / RINGS as f64;
+        (HORIZON_POINTS as f64 * theta.sin()).round() as usize
+    });
     counts[RINGS - 1] = HORIZON_POINTS;
     let mut missing = (TRIANGLES as i64 - HORIZON_POINTS as i64) / 2
         - counts[..RINGS - 1].iter().sum::<usize>() as i64;
@@ -199,6 +311,11 @@ fn triangles() -> Vec<Patch> {
         counts[k] = (counts[k] as i64 + missing.signum()) as usize;
         missing -= missing.signum();
     }
+    counts
+}
+
+fn triangles() -> Vec<Patch> {
+    let counts = ring_points();
     let point = |ring: usize, k: usize| {
         let count = counts[ring];
         if ring == RINGS - 1 {
@@ -293,11 +410,56 @@ mod tests {
 
     #[test]
     fn a_patch_is_found_by_its_middle() {
-        for n in [1, 2, 4, 7] {
-            for (k, patch) in cells(n).iter().enumerate() {
-                assert_eq!(row_of(n, patch.direction), k as u32);
+        let factors = [1, 2, 4, 7].map(Subdivision::Reinhart);
+        for subdivision in factors.into_iter().chain([Subdivision::Triangles]) {
+            let patches = dome(subdivision).expect("the factors are sound");
+            let finder = Finder::new(subdivision);
+            for (k, patch) in patches.iter().enumerate() {
+                assert_eq!(finder.patch_of(&patches, patch.direction), k as u32);
             }
+        }
+        for n in [1, 2, 4, 7] {
             assert_eq!(row_of(n, DVec3::new(0.0, -0.1, -1.0).normalize()), 0);
+        }
+    }
+
+    /// Directions over the upper half, many of them near rings and meridians of points.
+    fn directions() -> impl Iterator<Item = DVec3> {
+        (0..10_000).map(|i| {
+            // Roberts 2018.
+            let [u, v] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2]
+                .map(|step| (0.5 + f64::from(i) * step).fract());
+            match i % 4 {
+                0 => {
+                    let theta = FRAC_PI_2 / RINGS as f64 * (u * RINGS as f64).round();
+                    toward(2.0 * PI * v, (theta * (1.0 - 1e-6 * v)).cos())
+                }
+                1 => toward(2.0 * PI * ((v * 60.0).round() / 60.0 + 1e-12), u),
+                _ => toward(2.0 * PI * v, u),
+            }
+        })
+    }
+
+    #[test]
+    fn a_direction_lies_in_the_triangle_that_is_found_and_in_no_other() {
+        let patches = triangles();
+        let finder = Finder::new(Subdivision::Triangles);
+        for (i, toward) in directions().enumerate() {
+            let found = finder.patch_of(&patches, toward) as usize;
+            // Corners and sides have a rounding's width.
+            assert!(patches[found].within(toward) > -1e-15, "{toward}");
+            if i % 16 == 2 {
+                let others = (0..TRIANGLES).filter(|k| *k != found);
+                let beside = others.map(|k| patches[k].within(toward));
+                assert!(beside.fold(-1.0, f64::max) < 1e-15, "{toward}");
+            }
+        }
+        // Of what lies below the horizon, the strip above it.
+        for k in 0..100 {
+            let azimuth = 2.0 * PI * f64::from(k) / 100.0;
+            let down = toward(azimuth, 0.0) - 0.3 * DVec3::Y;
+            let found = finder.patch_of(&patches, down.normalize()) as usize;
+            assert!(patches[found].within(toward(azimuth, 0.0)) > -1e-15);
         }
     }
 }

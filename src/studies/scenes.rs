@@ -11,7 +11,7 @@ use crate::units::DEG;
 use glam::{DVec2, DVec3};
 
 /// The names of the views of the studies.
-pub const NAMES: [&str; 9] = [
+pub const NAMES: [&str; 11] = [
     "slats",
     "colonnade",
     "forest",
@@ -21,6 +21,8 @@ pub const NAMES: [&str; 9] = [
     "antisolar",
     "hills",
     "far slit",
+    "room",
+    "court",
 ];
 
 /// The view of a name; `None` for another than those of [`NAMES`].
@@ -35,6 +37,8 @@ pub fn named(name: &str) -> Option<StudyView> {
         "antisolar" => antisolar(),
         "hills" => hills(),
         "far slit" => far_slit(),
+        "room" => room(),
+        "court" => court(),
         _ => return None,
     })
 }
@@ -580,4 +584,91 @@ pub fn far_slit() -> StudyView {
             12.0 * DEG,
         ),
     }
+}
+
+/// A room of 4 m by 3 m by 5 m with light grey walls, full of haze, whose wall at x = 2 has one window of 1.2 m by 1.4 m, 0.2 m deep: sky,
+/// sun and ground outside reach it through that alone.
+pub fn room() -> StudyView {
+    let mut triangles = Vec::new();
+    for (z0, z1, y0, y1) in [
+        (-2.7, -0.6, 0.0, 3.0),
+        (0.6, 2.7, 0.0, 3.0),
+        (-0.6, 0.6, 0.0, 1.0),
+        (-0.6, 0.6, 2.4, 3.0),
+    ] {
+        let (min, max) = (DVec3::new(2.0, y0, z0), DVec3::new(2.2, y1, z1));
+        triangles.extend(cuboid(min, max));
+    }
+    for (min, max) in [
+        ([-2.2, 0.0, -2.7], [-2.0, 3.0, 2.7]),
+        ([-2.2, 0.0, -2.7], [2.2, 3.0, -2.5]),
+        ([-2.2, 0.0, 2.5], [2.2, 3.0, 2.7]),
+        ([-2.2, -0.2, -2.7], [2.2, 0.0, 2.7]),
+        ([-2.2, 3.0, -2.7], [2.2, 3.2, 2.7]),
+        // A table.
+        ([-0.4, 0.7, -0.9], [0.4, 0.75, 0.9]),
+    ] {
+        triangles.extend(cuboid(min.into(), max.into()));
+    }
+    let mut scene = under_sky(&triangles, 75.0, 35.0);
+    scene.ground.height = Some(-0.2);
+    scene.media = vec![room_fog(
+        DVec3::new(-2.0, 0.0, -2.5),
+        DVec3::new(2.0, 3.0, 2.5),
+    )];
+    StudyView {
+        name: "room",
+        scene,
+        camera: Camera::look_at(
+            DVec3::new(-1.7, 1.6, 2.3),
+            DVec3::new(0.8, 1.2, -1.5),
+            70.0 * DEG,
+        ),
+    }
+}
+
+/// A court of 12 m by 12 m between grey walls 6 m high, one half of it under a roof, in haze.
+pub fn court() -> StudyView {
+    let mut triangles = Vec::new();
+    for (min, max) in [
+        ([-6.3, 0.0, -6.3], [-6.0, 6.0, 6.3]),
+        ([6.0, 0.0, -6.3], [6.3, 6.0, 6.3]),
+        ([-6.0, 0.0, -6.3], [6.0, 6.0, -6.0]),
+        ([-6.0, 0.0, 6.0], [6.0, 6.0, 6.3]),
+        // The roof, and a pier that carries it.
+        ([-6.0, 4.5, -6.0], [0.0, 4.8, 6.0]),
+        ([-0.4, 0.0, -0.3], [0.0, 4.5, 0.3]),
+    ] {
+        triangles.extend(cuboid(min.into(), max.into()));
+    }
+    let mut scene = under_sky(&triangles, 120.0, 50.0);
+    scene.media = vec![fog(
+        Shape::Haze { top: 9.0 },
+        0.02,
+        0.002,
+        Phase::HenyeyGreenstein { g: 0.6 },
+    )];
+    StudyView {
+        name: "court",
+        scene,
+        camera: Camera::look_at(
+            DVec3::new(-5.5, 1.7, 5.5),
+            DVec3::new(1.5, 2.0, -4.0),
+            65.0 * DEG,
+        ),
+    }
+}
+
+/// A scene with a ground of albedo 0.2, under a clear sky with its sun.
+fn under_sky(triangles: &[Corners], azimuth_deg: f64, elevation_deg: f64) -> Scene {
+    let mut scene = scene(triangles, azimuth_deg, elevation_deg);
+    scene.sun = Some(SunEntry {
+        azimuth_deg,
+        elevation_deg,
+        illuminance: None,
+        diameter_deg: None,
+    });
+    scene.sky.model = Some("perez".into());
+    scene.ground.enabled = true;
+    scene
 }

@@ -4,10 +4,11 @@
 //! first one that does not count; reads and nodes are counted in a separate frame, whose times do not count either. Shadow maps
 //! are shared by all methods and reported separately.
 
+use super::{ANY, median};
 use crate::accuracy::{self, flip};
+use crate::backend::Rendered;
 use crate::backend::gpu::Gpu;
 use crate::backend::reference::Reference;
-use crate::backend::{Limits, Rendered};
 use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::effect::{ALL, Contribution, Effect, Field, Method};
@@ -16,12 +17,6 @@ use crate::frame::Frame;
 use crate::plan::{Overrules, Plan, Quality};
 use glam::{DVec3, Vec3};
 use std::time::Duration;
-
-/// Studies take the memory that they need.
-const ANY: Limits<'static> = Limits {
-    memory: u64::MAX,
-    stop: None,
-};
 
 /// One setting of one method.
 #[derive(Debug, Clone, PartialEq)]
@@ -258,11 +253,7 @@ pub fn measure(
         })
         .collect::<Result<Vec<Rendered>>>()?;
     let is_ours = |effect: &Effect| effect.method.is_some();
-    let median = |time: &dyn Fn(&Rendered) -> Duration| {
-        let mut times: Vec<Duration> = runs.iter().map(time).collect();
-        times.sort_unstable();
-        times[times.len() / 2]
-    };
+    let median = |time: &dyn Fn(&Rendered) -> Duration| median(runs.iter().map(time).collect());
     let passes: Vec<(&'static str, Duration)> = runs[0]
         .steps
         .iter()

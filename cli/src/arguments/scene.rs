@@ -13,7 +13,16 @@ use tyndall::plan::{Overrules, Quality};
 use tyndall::scene::{self, Camera, Placement, Projection, Scene, SiteEntry, SunEntry, Up};
 use tyndall::units::DEG;
 
-/// A scene, and the camera, sun and sky that it is rendered with.
+/// A scene and the camera that sees it.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    camera: CameraArgs,
+}
+
+/// A scene, and the sun and the sky that light it.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
     /// The scene: TOML, glTF, GLB or OBJ [default: one that is built in]
@@ -48,6 +57,11 @@ pub struct SceneArgs {
     /// Diffuse-horizontal irradiance in W/m2, for the sky perez
     #[arg(long, value_name = "W")]
     diffuse_horizontal: Option<f64>,
+}
+
+/// What sees a scene.
+#[derive(Debug, Args)]
+struct CameraArgs {
     /// A camera of the scene by its name, or `inside`
     #[arg(long, value_name = "NAME|inside", conflicts_with_all = ["eye", "target"])]
     camera: Option<String>,
@@ -121,12 +135,29 @@ impl PlanArgs {
     }
 }
 
-impl SceneArgs {
+impl ViewArgs {
     /// The conditions that scene and flags describe.
     ///
     /// # Errors
     /// Those of [`scene::load`] and [`Conditions::new`].
     pub fn conditions(&self) -> Result<Conditions> {
+        let mut scene = self.scene.load()?;
+        let request = Request {
+            size: self.camera.size,
+            samples: self.camera.samples,
+            camera: self.camera.choice(&mut scene)?,
+            ..self.scene.request()
+        };
+        Conditions::new(scene, &request)
+    }
+}
+
+impl SceneArgs {
+    /// The scene, under the sun and the sky of the flags.
+    ///
+    /// # Errors
+    /// Those of [`scene::load`].
+    pub fn load(&self) -> Result<Scene> {
         let mut scene = match &self.scene {
             Some(path) => scene::load_placed(
                 path,
@@ -157,10 +188,12 @@ impl SceneArgs {
         sky.turbidity = self.turbidity.or(sky.turbidity);
         sky.direct_normal = self.direct_normal.or(sky.direct_normal);
         sky.diffuse_horizontal = self.diffuse_horizontal.or(sky.diffuse_horizontal);
-        let request = Request {
-            size: self.size,
-            samples: self.samples,
-            camera: self.camera_choice(&mut scene)?,
+        Ok(scene)
+    }
+
+    /// How place and time are read.
+    pub fn request(&self) -> Request {
+        Request {
             tier: self.ephemeris.tier,
             timezone: self.time.tz.clone(),
             fold: self.time.fold,
@@ -168,8 +201,8 @@ impl SceneArgs {
             delta_t: self.time.delta_t,
             pressure_hpa: self.ephemeris.pressure,
             temperature_c: self.ephemeris.temperature,
-        };
-        Conditions::new(scene, &request)
+            ..Request::default()
+        }
     }
 
     /// The files that the scene is read from, as far as their names are known, in words for messages.
@@ -207,8 +240,10 @@ impl SceneArgs {
             scene.time.clone_from(&self.time.time);
         }
     }
+}
 
-    fn camera_choice(&self, scene: &mut Scene) -> Result<CameraChoice> {
+impl CameraArgs {
+    fn choice(&self, scene: &mut Scene) -> Result<CameraChoice> {
         let fov_y = self.fov.map(|fov| fov * DEG);
         let choice = match (&self.camera, self.eye, self.target) {
             (_, Some(eye), Some(target)) => {

@@ -6,18 +6,23 @@ use tyndall::studies::{ephemeris, sky};
 use tyndall::{Error, Result};
 
 use crate::arguments::form::FormArgs;
-use crate::commands::accuracy_shafts;
+use crate::commands::study::StudyArgs;
+use crate::commands::{accuracy_radiosity, accuracy_shafts};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
-    /// What to measure: ephemeris, sky or shafts
+    /// What to measure: ephemeris, sky, shafts or radiosity
     #[arg(long, value_name = "EFFECT", default_value = "ephemeris")]
     effect: String,
     #[command(flatten)]
+    study: StudyArgs,
+    #[command(flatten)]
     shafts: accuracy_shafts::ShaftsArgs,
+    #[command(flatten)]
+    radiosity: accuracy_radiosity::RadiosityArgs,
     #[command(flatten)]
     form: FormArgs,
 }
@@ -38,11 +43,12 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
             let rows = prices.iter().map(sky_columns).collect();
             print(args.form, rows, |out| sky_table(out, &prices))
         }
-        "shafts" => accuracy_shafts::run(&args.shafts, args.form),
+        "shafts" => accuracy_shafts::run(&args.study, &args.shafts, args.form),
+        "radiosity" => accuracy_radiosity::run(&args.study, &args.radiosity, args.form),
         other => Err(Error::input(
             "--effect",
             format!("`{other}` is not known"),
-            "write ephemeris, sky or shafts",
+            "write ephemeris, sky, shafts or radiosity",
         )),
     }
 }

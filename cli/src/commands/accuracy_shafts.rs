@@ -1,7 +1,8 @@
 //! `tyndall accuracy --effect shafts`: what accuracy costs in the air, method by method.
 
 use crate::arguments::form::FormArgs;
-use crate::arguments::scene::{MethodFlag, SceneArgs, method, setting, size};
+use crate::arguments::scene::{MethodFlag, method};
+use crate::commands::study::StudyArgs;
 use crate::plots::plot::{Axis, Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
@@ -11,37 +12,18 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use tyndall::backend::gpu::{Choice, Gpu};
 use tyndall::colour::{display, exposure, luminance};
-use tyndall::conditions::Conditions;
 use tyndall::effect::Method;
-use tyndall::error::nearest;
 use tyndall::output::png;
+use tyndall::studies::pareto;
 use tyndall::studies::shafts::{Outcome, cost_at, measure, sweeps, truth};
-use tyndall::studies::{pareto, scenes};
 use tyndall::{Error, Result};
 
 /// The flags of the study of shafts.
 #[derive(Args, Debug)]
 pub struct ShaftsArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// With --effect shafts: scenes of the study, separated by commas, or `scene` for the one that is named
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    study: Vec<String>,
-    /// With --effect shafts: the number of frames; the median of their times is reported
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    frames: usize,
     /// With --effect shafts: only this method, besides march, with which all are compared
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
     method: MethodFlag,
-    /// With --effect shafts: set a knob of another effect, as shadow.resolution=8192 [default: 4096]
-    #[arg(long, value_name = "EFFECT.KNOB=VALUE", value_parser = setting)]
-    set: Vec<(String, f64)>,
-    /// With --effect shafts: the side of the picture in pixels, for scenes of the study
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "512x512")]
-    study_size: [u32; 2],
-    /// With --effect shafts: plot error against time (.svg, .png or .html); each scene's name is added to the file's
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
     /// With --effect shafts: a folder for pictures: the truth, the games' usual march, ours, and their errors
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
@@ -49,6 +31,12 @@ pub struct ShaftsArgs {
 
 /// The methods that the summary and the pictures put beside march; virtual planes are others' as march is.
 const OURS: [Method; 3] = [Method::Rectified, Method::Epipolar, Method::Prefiltered];
+
+/// Scenes of the study unless others are named.
+const SCENES: [&str; 3] = ["slats", "colonnade", "forest"];
+
+/// Their size [pixels].
+const SIZE: [u32; 2] = [512, 512];
 
 /// All measurements of a scene.
 struct Study {
@@ -61,7 +49,7 @@ struct Study {
 }
 
 /// Runs the study.
-pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
+pub fn run(flags: &StudyArgs, own: &ShaftsArgs, form: FormArgs) -> Result<()> {
     // The best there is, of software too.
     let mut gpu = Gpu::open(Choice::Any)?;
     let adapter = &gpu.device().adapter;
@@ -69,12 +57,12 @@ pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
     let mut extra = vec![("shadow.resolution".to_owned(), 4096.0)];
     extra.extend(flags.set.iter().cloned());
     let mut studies = Vec::new();
-    for (scene, conditions) in wanted(flags)? {
+    for (scene, conditions) in flags.scenes(&SCENES, SIZE)? {
         eprintln!("{scene}: the reference");
         let truth = truth(&conditions)?;
         let mut outcomes = Vec::new();
         for trial in sweeps() {
-            let only = flags.method.0;
+            let only = own.method.0;
             if only.is_some_and(|only| trial.method != only && trial.method != Method::March) {
                 continue;
             }
@@ -104,10 +92,8 @@ pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
             truth,
             outcomes,
         };
-        if let Some(path) = &flags.plot {
-            plot(&study, &adapter)?.save(&named(path, &study.scene))?;
-        }
-        if let Some(folder) = &flags.pictures {
+        flags.save(&study.scene, || plot(&study, &adapter))?;
+        if let Some(folder) = &own.pictures {
             pictures(&study, folder)?;
         }
         studies.push(study);
@@ -119,33 +105,6 @@ pub fn run(flags: &ShaftsArgs, form: FormArgs) -> Result<()> {
     print(form, rows, |out| {
         table(out, &studies, &adapter, flags.frames)
     })
-}
-
-/// The scenes that are asked for.
-fn wanted(flags: &ShaftsArgs) -> Result<Vec<(String, Conditions)>> {
-    let named = flags.scene.scene.is_some();
-    let names = match (flags.study.is_empty(), named) {
-        (true, true) => vec!["scene".to_owned()],
-        (true, false) => ["slats", "colonnade", "forest"].map(str::to_owned).to_vec(),
-        (false, _) => flags.study.clone(),
-    };
-    names
-        .into_iter()
-        .map(|name| {
-            if name == "scene" {
-                let conditions = flags.scene.conditions()?;
-                return Ok((conditions.scene.name.clone(), conditions));
-            }
-            let view = scenes::named(&name).ok_or_else(|| {
-                let remedy = match nearest(&name, scenes::NAMES) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("there are {}", scenes::NAMES.join(", ")),
-                };
-                Error::input(format!("--study {name}"), "there is no such scene", remedy)
-            })?;
-            Ok((name, view.conditions(flags.study_size)?))
-        })
-        .collect()
 }
 
 fn milliseconds(outcome: &Outcome) -> f64 {
@@ -297,14 +256,7 @@ fn table(out: &mut Out, studies: &[Study], adapter: &str, frames: usize) -> Resu
     ))
 }
 
-fn named(path: &Path, scene: &str) -> PathBuf {
-    let text =
-        |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, ending) = (text(path.file_stem()), text(path.extension()));
-    path.with_file_name(format!("{stem}-{scene}.{ending}"))
-}
-
-fn plot(study: &Study, adapter: &str) -> Result<Plot> {
+fn plot(study: &Study, adapter: &str) -> Plot {
     let series = Method::ALL
         .into_iter()
         .map(|method| Series {
@@ -333,7 +285,7 @@ fn plot(study: &Study, adapter: &str) -> Result<Plot> {
         .filter(|series: &Series| !series.points.is_empty())
         .collect();
     let [w, h] = study.size;
-    Ok(Plot {
+    Plot {
         title: format!("Sunlight in the air: {}", study.scene),
         caption: format!("{w} x {h} pixels, {adapter}; shadow maps apart"),
         x: Axis {
@@ -346,7 +298,7 @@ fn plot(study: &Study, adapter: &str) -> Result<Plot> {
         },
         series,
         rivals: Vec::new(),
-    })
+    }
 }
 
 /// The truth, the games' usual setting and the best of the others at no more than its time, with their errors four times

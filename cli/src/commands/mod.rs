@@ -1,11 +1,14 @@
-//! The commands, one file each.
+//! The commands, one file each; what studies of scenes share stands in `study`.
 
 pub mod accuracy;
+pub mod accuracy_radiosity;
 pub mod accuracy_shafts;
 pub mod completions;
+pub mod daylight;
 pub mod doctor;
 pub mod plan;
 pub mod render;
 pub mod schema;
 pub mod sky;
+pub mod study;
 pub mod sun;

@@ -1,7 +1,7 @@
 //! `tyndall plan`: which effects a scene calls for, and why not the others.
 
 use crate::arguments::form::FormArgs;
-use crate::arguments::scene::{PlanArgs, SceneArgs};
+use crate::arguments::scene::{PlanArgs, ViewArgs};
 use crate::tables::rows::Rows;
 use crate::tables::stdout;
 use crate::tell;
@@ -18,7 +18,7 @@ use tyndall::plan::{Plan, Step};
 #[derive(Debug, Args)]
 pub struct PlanCommand {
     #[command(flatten)]
-    scene: SceneArgs,
+    view: ViewArgs,
     #[command(flatten)]
     plan: PlanArgs,
     #[command(flatten)]
@@ -27,7 +27,7 @@ pub struct PlanCommand {
 
 /// Plans.
 pub fn run(args: &PlanCommand) -> Result<()> {
-    let conditions = args.scene.conditions()?;
+    let conditions = args.view.conditions()?;
     let plan = Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
     let seconds = predict(&Reference::new(&plan));

@@ -1,20 +1,20 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
 use crate::arguments::backend::BackendFlag;
+use crate::arguments::memory::MemoryArgs;
 use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
-use crate::arguments::scene::{PlanArgs, SceneArgs};
+use crate::arguments::scene::{PlanArgs, ViewArgs};
 use crate::machine;
 use crate::tables::{stdout, work};
 use crate::tell;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use tyndall::Result;
+use tyndall::backend::Rendered;
 use tyndall::backend::check::{Check, Yardstick};
 use tyndall::backend::choose::choose;
-use tyndall::backend::{Limits, Rendered};
 use tyndall::colour::{Space, display, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
@@ -26,7 +26,7 @@ use tyndall::plan::Plan;
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    view: ViewArgs,
     #[command(flatten)]
     plan: PlanArgs,
     /// What renders: auto uses a hardware adapter, else the CPU reference; gpu also accepts a software adapter
@@ -56,9 +56,8 @@ pub struct RenderArgs {
     /// Print what was done as JSON
     #[arg(long)]
     json: bool,
-    /// The most memory that rendering may use, in GiB
-    #[arg(long, value_name = "GIB", default_value_t = 8.0)]
-    max_memory: f64,
+    #[command(flatten)]
+    memory: MemoryArgs,
 }
 
 /// Renders.
@@ -71,8 +70,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     };
     let formats = output::check_targets(&files)?;
     let layers = output::select_layers(&args.layers)?;
-    let conditions = args.scene.conditions()?;
-    let mut in_use = args.scene.files(&conditions.scene);
+    let conditions = args.view.conditions()?;
+    let mut in_use = args.view.scene.files(&conditions.scene);
     for file in &files {
         output::check_apart("-o", file, &in_use)?;
     }
@@ -84,7 +83,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
     let mut backend = machine::open(args.backend.wanted())?;
-    let limits = Limits::memory((args.max_memory * f64::from(1 << 30)) as u64);
+    let limits = args.memory.limits();
     let mut overrules = args.plan.overrules();
     if let Some(goal) = args.plan.goal() {
         let chosen = choose(&mut backend, &conditions, &overrules, goal, &limits)?;
@@ -95,23 +94,15 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     tell::plan(&plan, &backend.describe());
     let prepared = start.elapsed();
 
-    let bar = ProgressBar::new(1000).with_style(
-        ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
-            .unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
-    let mut rendered = backend.render(&plan, &limits, &|share| {
-        bar.set_position((1000.0 * share) as u64)
-    })?;
+    let bar = tell::bar();
+    let mut rendered = backend.render(&plan, &limits, &|share| tell::share(&bar, share))?;
     bar.finish_and_clear();
 
     let writing = Instant::now();
     let ev100 = ev100(args, &conditions, &rendered.frame);
-    record(
-        &mut rendered.frame,
-        work::method(&backend, &plan),
-        &plan,
-        ev100,
-    );
+    let record = &mut rendered.frame.record;
+    work::record(record, &backend, &plan);
+    record.set("exposure_ev100", ev100);
     for (path, format) in files.iter().zip(&formats) {
         let space = output_space(args.color_space);
         match format {
@@ -177,23 +168,6 @@ fn ev100(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> f64 {
     }
 }
 
-/// What the picture file says about itself.
-fn record(frame: &mut Frame, method: &str, plan: &Plan, ev100: f64) {
-    let conditions = plan.conditions;
-    let record = &mut frame.record;
-    record.set("version", env!("CARGO_PKG_VERSION"));
-    for (name, value) in conditions.facts() {
-        record.set(name, value);
-    }
-    record.set("method", method);
-    for step in plan.running() {
-        for (knob, value) in &step.settings {
-            record.set(format!("{}.{knob}", step.effect.name), *value);
-        }
-    }
-    record.set("exposure_ev100", ev100);
-}
-
 fn report(
     plan: &Plan,
     rendered: &Rendered,
@@ -209,7 +183,7 @@ fn report(
         "plan": tell::plan_json(plan),
         "size": [rendered.frame.width, rendered.frame.height],
         "refined_pixels": rendered.refined,
-        "stages": stages.iter().map(|(name, seconds)| json!({"name": name, "seconds": seconds})).collect::<Vec<_>>(),
+        "stages": work::stages_json(stages),
         "render_seconds": rendered.elapsed.as_secs_f64(),
         "work": work,
         "check": check,

@@ -6,8 +6,8 @@ use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::arguments::scene::{pair, size};
 use crate::machine;
-use crate::tables::batch::Form;
 use crate::tables::columns::{self, Columns};
+use crate::tables::printer::{As, Form};
 use crate::tables::sky_batch;
 use crate::tables::stdout;
 use crate::tell;
@@ -121,7 +121,7 @@ struct Subject {
 pub fn run(args: &SkyArgs) -> Result<()> {
     if let Some(path) = &args.batch {
         let form = Form {
-            json: args.form.json,
+            as_what: As::csv_or_json(args.form),
             strict: args.strict,
         };
         return sky_batch::run(path, form);

@@ -18,7 +18,7 @@ use tyndall::{Error, Result};
 use crate::arguments::form::FormArgs;
 use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
 use crate::plots::sun_path;
-use crate::tables::batch;
+use crate::tables::printer::{As, Form};
 use crate::tables::rows::Rows;
 use crate::tables::stdout;
 use crate::tables::sun_batch;
@@ -74,8 +74,8 @@ pub struct SunArgs {
 /// Runs `tyndall sun`.
 pub fn run(args: &SunArgs) -> Result<()> {
     if let Some(path) = &args.batch {
-        let form = batch::Form {
-            json: args.form.json,
+        let form = Form {
+            as_what: As::csv_or_json(args.form),
             strict: args.strict,
         };
         return sun_batch::run(path, form, &args.time, &args.sun);

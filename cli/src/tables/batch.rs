@@ -1,16 +1,15 @@
-//! A CSV in, the same rows with results out: what `tyndall sun --batch` and `tyndall sky --batch` share.
+//! A CSV in, the same rows with results out: what `tyndall sun --batch`, `tyndall sky --batch` and `tyndall daylight` share.
 
-use std::io::{Read, Seek, Write};
 use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
-use tempfile::SpooledTempFile;
+use tyndall::error::nearest;
 use tyndall::{Error, Result};
 
+use crate::tables::printer::{As, Block, Form, Printer};
 use crate::tables::rows::{Lines, Rows};
-use crate::tables::stdout::{self, Out};
-use crate::tables::stream::{self, Input, LONGEST, Piece, Sink};
+use crate::tables::stream::{self, Input, LONGEST, Piece};
 use crate::tell;
 
 /// What a batch reads and adds. Names of columns are read in any case.
@@ -31,15 +30,6 @@ pub trait Results: Clone + Send + 'static {
     fn of(&mut self, row: &Row, results: &mut [f64]) -> Result<()>;
 }
 
-/// How a batch is printed.
-#[derive(Clone, Copy)]
-pub struct Form {
-    /// JSON instead of CSV.
-    pub json: bool,
-    /// Stop at the first broken row and print nothing.
-    pub strict: bool,
-}
-
 /// A row of the file, with the place that its errors name.
 pub struct Row<'a> {
     batch: &'a Batch,
@@ -50,7 +40,7 @@ pub struct Row<'a> {
 
 /// The cells of a row: where each begins and ends in a text.
 #[derive(Clone, Copy)]
-struct Cells<'a> {
+pub(super) struct Cells<'a> {
     text: &'a str,
     ends: &'a [(usize, usize)],
     /// Whether they stand in the text as they are printed: no quotes, no blanks around them.
@@ -63,7 +53,7 @@ impl<'a> Cells<'a> {
         &self.text[start..end]
     }
 
-    fn iter(&self) -> impl Iterator<Item = &'a str> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &'a str> {
         let text = self.text;
         self.ends.iter().map(move |&(start, end)| &text[start..end])
     }
@@ -71,9 +61,9 @@ impl<'a> Cells<'a> {
 
 /// A line of a file.
 #[derive(Clone, Copy)]
-struct Place<'a> {
-    file: &'a str,
-    line: usize,
+pub(super) struct Place<'a> {
+    pub(super) file: &'a str,
+    pub(super) line: usize,
 }
 
 impl From<Place<'_>> for String {
@@ -82,32 +72,11 @@ impl From<Place<'_>> for String {
     }
 }
 
-/// The rows of a piece with their results, as they are printed.
-struct Block {
-    text: Vec<u8>,
-    rows: usize,
-    broken: Vec<Error>,
-}
-
-struct Header {
-    names: Vec<String>,
+pub(super) struct Header {
+    pub(super) names: Vec<String>,
     /// Where each known column stands.
     at: Vec<Option<usize>>,
 }
-
-/// Where blocks go, and what is counted on the way.
-struct Printer {
-    out: Out,
-    form: Form,
-    /// With [`Form::strict`] everything waits here: in memory while it is little, then in a file that no one else sees.
-    held: Option<SpooledTempFile>,
-    started: bool,
-    rows: usize,
-    broken: usize,
-}
-
-/// How much waits in memory [bytes].
-const HELD: usize = 1 << 24;
 
 impl Batch {
     /// Prints the rows of `path` (`-` is standard input) with their results, as they come.
@@ -119,30 +88,19 @@ impl Batch {
         let mut input = Input::open(path)?;
         let name: Arc<str> = input.name.as_str().into();
         let (header, rest) = self.begin(&mut input)?;
-        let mut printer = Printer {
-            out: stdout::lock(),
-            form,
-            held: form.strict.then(|| SpooledTempFile::new(HELD)),
-            started: false,
-            rows: 0,
-            broken: 0,
-        };
-        let mut head = Rows::with_capacity(0);
-        if !form.json {
-            let names = header.names.iter().map(String::as_str);
-            head.row(names.chain(self.results.iter().copied()));
-        }
-        printer.print(if form.json { b"[\n" } else { head.bytes() })?;
+        let mut printer = Printer::new(form);
+        printer.head(&header.names, self.results)?;
         let header = Arc::new(header);
         let mut results = results;
         let file = Arc::clone(&name);
-        let work = move |piece: &Piece| self.block(&header, &file, piece, form.json, &mut results);
+        let work =
+            move |piece: &Piece| self.block(&header, &file, piece, form.as_what, &mut results);
         stream::run(rest, input, work, &mut printer)?;
-        printer.finish(&name)
+        printer.finish(&name).map(drop)
     }
 
     /// Reads the first line that is not empty, and gives what stands behind it too.
-    fn begin(&self, input: &mut Input) -> Result<(Header, Piece)> {
+    pub(super) fn begin(&self, input: &mut Input) -> Result<(Header, Piece)> {
         let mut start = true;
         while let Some(mut piece) = input.next()? {
             if start {
@@ -228,8 +186,10 @@ impl Batch {
                     "rename it",
                 ));
             }
+            let near = nearest(&name.to_ascii_lowercase(), self.known.iter().copied());
+            let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
             let note = format!(
-                "note: {}: the column `{name}` is not read, only passed on; known are {}",
+                "note: {}: the column `{name}` is not read, only passed on; {near}known are {}",
                 String::from(place),
                 quoted(self.known)
             );
@@ -244,14 +204,39 @@ impl Batch {
         header: &Header,
         file: &str,
         piece: &Piece,
-        json: bool,
+        as_what: As,
         results: &mut impl Results,
     ) -> Block {
-        let (mut lines, mut ends) = (Lines::new(), Vec::new());
         let mut values = vec![0.0; self.results.len()];
-        let mut rows = Rows::with_capacity(5 * piece.bytes.len());
-        let (mut count, mut broken) = (0, Vec::new());
+        let mut text = Rows::with_capacity(5 * piece.bytes.len());
         let mut started = false;
+        let (rows, broken) = self.rows(header, file, piece, |row| {
+            results.of(row, &mut values)?;
+            if as_what == As::Json {
+                text.raw(if started { b",\n" } else { b"" });
+            }
+            started = true;
+            row.begin(as_what, &mut text);
+            self.end(as_what, &values, &mut text);
+            Ok(())
+        });
+        Block {
+            text: text.into_bytes(),
+            rows,
+            broken,
+        }
+    }
+
+    /// Does something with every row of a piece; how many there are, and what was wrong with some.
+    pub(super) fn rows(
+        &self,
+        header: &Header,
+        file: &str,
+        piece: &Piece,
+        mut each: impl FnMut(&Row) -> Result<()>,
+    ) -> (usize, Vec<Error>) {
+        let (mut lines, mut ends) = (Lines::new(), Vec::new());
+        let (mut count, mut broken) = (0, Vec::new());
         for (i, line) in piece.bytes.split(|byte| *byte == b'\n').enumerate() {
             let line_number = piece.first + i;
             let place = Place {
@@ -271,21 +256,25 @@ impl Batch {
             }
             count += 1;
             let row = self.row(header, &mut lines, &mut ends, line, place);
-            match row.and_then(|row| results.of(&row, &mut values).map(|()| row)) {
-                Ok(row) if json => {
-                    rows.raw(if started { b",\n" } else { b"" });
-                    rows.raw(row.json(&values).as_bytes());
-                    started = true;
-                }
-                Ok(row) => row.csv(&values, &mut rows),
-                Err(error) => broken.push(error),
+            if let Err(error) = row.and_then(|row| each(&row)) {
+                broken.push(error);
             }
         }
-        Block {
-            text: rows.into_bytes(),
-            rows: count,
-            broken,
+        (count, broken)
+    }
+
+    /// Writes results behind the cells of a row ([`Row::begin`]).
+    pub(super) fn end(&self, as_what: As, values: &[f64], rows: &mut Rows) {
+        if as_what == As::Json {
+            for (name, value) in self.results.iter().zip(values) {
+                rows.raw(format!(",{}:{}", json!(name), json!(value)).as_bytes());
+            }
+            return rows.raw(b"}");
         }
+        for &value in values {
+            rows.number(value);
+        }
+        rows.end();
     }
 
     fn row<'a>(
@@ -314,75 +303,6 @@ impl Batch {
             cells,
             place,
         })
-    }
-}
-
-impl Printer {
-    fn print(&mut self, text: &[u8]) -> Result<()> {
-        match &mut self.held {
-            Some(held) => held.write_all(text).map_err(not_held),
-            None => self.out.bytes(text),
-        }
-    }
-
-    fn finish(mut self, name: &str) -> Result<()> {
-        if self.form.json {
-            self.print(if self.started { b"\n]\n" } else { b"]\n" })?;
-        }
-        if let Some(mut held) = self.held {
-            held.rewind().map_err(not_held)?;
-            let mut buffer = vec![0; 1 << 16];
-            loop {
-                match held.read(&mut buffer).map_err(not_held)? {
-                    0 => break,
-                    length => self.out.bytes(&buffer[..length])?,
-                }
-            }
-        }
-        self.out.finish()?;
-        if self.rows == 0 {
-            eprintln!("note: {} has no rows", tell::clean(name));
-        }
-        if self.broken > 0 {
-            return Err(Error::input(
-                name,
-                format!(
-                    "{} of {} rows could not be used and were left out",
-                    self.broken, self.rows
-                ),
-                "correct the rows named above",
-            ));
-        }
-        Ok(())
-    }
-}
-
-impl Sink<Block> for Printer {
-    fn take(&mut self, block: Block) -> Result<()> {
-        self.rows += block.rows;
-        if self.form.json && !block.text.is_empty() {
-            if self.started {
-                self.print(b",\n")?;
-            }
-            self.started = true;
-        }
-        self.print(&block.text)?;
-        for error in block.broken {
-            if self.form.strict {
-                return Err(error);
-            }
-            eprintln!("error: {}", tell::clean(&error.to_string()));
-            self.broken += 1;
-        }
-        Ok(())
-    }
-
-    fn wants_more(&self) -> bool {
-        !self.out.closed()
-    }
-
-    fn idle(&mut self) -> Result<()> {
-        self.out.flush()
     }
 }
 
@@ -431,21 +351,23 @@ impl Row<'_> {
         self.error(error.problem(), error.remedy())
     }
 
-    fn csv(&self, values: &[f64], csv: &mut Rows) {
+    /// Writes the cells, as the beginning of what is printed.
+    pub(super) fn begin(&self, as_what: As, rows: &mut Rows) {
+        if as_what == As::Json {
+            let mut object = self.json().to_string();
+            object.pop();
+            return rows.raw(object.as_bytes());
+        }
         if self.cells.plain {
-            csv.verbatim(self.cells.text);
+            rows.verbatim(self.cells.text);
         } else {
             for cell in self.cells.iter() {
-                csv.text(cell);
+                rows.text(cell);
             }
         }
-        for &value in values {
-            csv.number(value);
-        }
-        csv.end();
     }
 
-    fn json(&self, values: &[f64]) -> String {
+    fn json(&self) -> Value {
         let mut map = Map::new();
         for (i, (name, cell)) in self.header.names.iter().zip(self.cells.iter()).enumerate() {
             // Known numbers are numbers; what is unknown passes as it is.
@@ -460,10 +382,7 @@ impl Row<'_> {
             };
             map.insert(name.clone(), value);
         }
-        for (name, value) in self.batch.results.iter().zip(values) {
-            map.insert((*name).to_owned(), json!(value));
-        }
-        Value::Object(map).to_string()
+        Value::Object(map)
     }
 }
 
@@ -496,13 +415,6 @@ fn refuse_utf16(bytes: &[u8], name: &str) -> Result<()> {
     Ok(())
 }
 
-fn not_held(error: std::io::Error) -> Error {
-    Error::failed(
-        format!("results could not be held back for --strict: {error}"),
-        "make room in the folder for temporary files, or leave out --strict",
-    )
-}
-
 fn quoted(names: &[impl AsRef<str>]) -> String {
     names
         .iter()
@@ -512,7 +424,7 @@ fn quoted(names: &[impl AsRef<str>]) -> String {
 }
 
 /// The cells of a line, without the blanks around them. Lines without quotes, which most are, are cut at their commas.
-fn cells<'a>(
+pub(super) fn cells<'a>(
     lines: &'a mut Lines,
     ends: &'a mut Vec<(usize, usize)>,
     line: &'a str,

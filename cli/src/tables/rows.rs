@@ -75,6 +75,11 @@ impl Rows {
         self.begun = true;
     }
 
+    /// What follows is no cell of this row.
+    pub fn cut(&mut self) {
+        self.begun = false;
+    }
+
     /// The end of a row.
     pub fn end(&mut self) {
         self.bytes.push(b'\n');

@@ -9,7 +9,8 @@ use tyndall::colour::{Space, working_from_xyz};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Published};
 use tyndall::units::DEG;
 
-use crate::tables::batch::{Batch, Form, Results, Row};
+use crate::tables::batch::{Batch, Results, Row};
+use crate::tables::printer::Form;
 
 static BATCH: Batch = Batch {
     known: &[

@@ -7,7 +7,8 @@ use tyndall::ephemeris::civil::{self, Reading};
 use tyndall::ephemeris::{Site, SunPosition, Weather, sun_position};
 
 use crate::arguments::place_time::{SunArgs, TimeArgs};
-use crate::tables::batch::{Batch, Form, Results, Row};
+use crate::tables::batch::{Batch, Results, Row};
+use crate::tables::printer::Form;
 use crate::tables::sun_columns::columns;
 
 static BATCH: Batch = Batch {

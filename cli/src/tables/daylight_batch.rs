@@ -1,0 +1,144 @@
+//! `tyndall daylight --points`: the illuminance of every row of a CSV.
+
+use std::path::Path;
+
+use glam::DVec3;
+use tyndall::backend::choose::{Goal, choose};
+use tyndall::backend::{Backend, Limits};
+use tyndall::colour::luminance;
+use tyndall::conditions::{Conditions, Receiver, View};
+use tyndall::frame::{Field, Frame, Record};
+use tyndall::plan::{Overrules, Plan};
+use tyndall::{Error, Result};
+
+use crate::tables::batch::{Batch, Row};
+use crate::tables::printer::{Form, Tally};
+use crate::tables::together::Together;
+use crate::tables::work;
+use crate::tell;
+
+static BATCH: Batch = Batch {
+    known: &["x", "y", "z", "nx", "ny", "nz"],
+    words: 0,
+    required: 3,
+    results: &["illuminance", "sun", "sky", "indirect"],
+};
+
+/// The layers that have a column of their own, in the order of the results behind their sum.
+const LAYERS: [Field; 3] = [Field::Sun, Field::Sky, Field::Indirect];
+
+/// Finds the illuminance of points, piece by piece with one backend: what the first has made serves all.
+pub struct Meter<'a> {
+    /// The scene at its moment, from anywhere.
+    pub conditions: &'a Conditions,
+    /// What computes.
+    pub backend: Backend,
+    /// The accuracy that is asked for.
+    pub overrules: Overrules,
+    /// What it is chosen by, if not by the user; it is chosen for the first piece.
+    pub goal: Option<Goal>,
+    /// The most that a rendering may use.
+    pub limits: Limits<'a>,
+    /// What has been done so far.
+    pub done: Done,
+}
+
+/// What has been done.
+#[derive(Default)]
+pub struct Done {
+    /// Points that have their illuminance.
+    pub points: usize,
+    /// The stages of the work and their wall time so far [s].
+    pub stages: Vec<(String, f64)>,
+    /// Time of rendering alone [s].
+    pub seconds: f64,
+    /// What the first piece says of how it came about, of the plan and of the work, which made what the others use again.
+    pub first: Option<(Record, serde_json::Value, serde_json::Value)>,
+}
+
+impl Meter<'_> {
+    /// Reads `path` (`-` is standard input) and prints every row with its illuminance [lx].
+    pub fn run(&mut self, path: &Path, form: Form) -> Result<Tally> {
+        BATCH.run_together(path, form, self)
+    }
+
+    /// Chooses the quality, if it is to be chosen, for the points at hand and all that follow.
+    fn choose(&mut self, conditions: &Conditions) -> Result<()> {
+        if let Some(goal) = self.goal.take() {
+            let (backend, limits) = (&mut self.backend, &self.limits);
+            let chosen = choose(backend, conditions, &self.overrules, goal, limits)?;
+            tell::chosen(&chosen.why);
+            self.overrules = chosen.overrules;
+        }
+        Ok(())
+    }
+}
+
+impl Together for Meter<'_> {
+    type Asked = Receiver;
+
+    fn read(row: &Row) -> Result<Receiver> {
+        let position = DVec3::new(row.needed(0)?, row.needed(1)?, row.needed(2)?);
+        let normal = match [row.number(3)?, row.number(4)?, row.number(5)?] {
+            [None, None, None] => DVec3::Y,
+            [Some(x), Some(y), Some(z)] => DVec3::new(x, y, z),
+            _ => {
+                return Err(row.error(
+                    "only some of nx, ny, nz are given",
+                    "give all three, or none for a point that looks up",
+                ));
+            }
+        };
+        Receiver::new(position, normal).map_err(|error| row.here(error))
+    }
+
+    fn of(&mut self, points: Vec<Receiver>) -> Result<Vec<f64>> {
+        let count = points.len();
+        let conditions = self.conditions.seen_from(View::of_points(points))?;
+        self.choose(&conditions)?;
+        let plan = Plan::new(&conditions, &self.overrules)?;
+        if self.done.first.is_none() {
+            tell::plan(&plan, &self.backend.describe());
+        }
+        let bar = tell::bar();
+        let share = |share| tell::share(&bar, share);
+        let mut rendered = self.backend.render(&plan, &self.limits, &share)?;
+        bar.finish_and_clear();
+        let stages = work::stages(&self.backend, &rendered);
+        let done = &mut self.done;
+        done.points += count;
+        done.seconds += rendered.elapsed.as_secs_f64();
+        for (name, seconds) in stages {
+            match done.stages.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, sum)) => *sum += seconds,
+                None => done.stages.push((name, seconds)),
+            }
+        }
+        if done.first.is_none() {
+            work::record(&mut rendered.frame.record, &self.backend, &plan);
+            let details = work::details(&self.backend, &rendered);
+            let record = std::mem::take(&mut rendered.frame.record);
+            done.first = Some((record, tell::plan_json(&plan), details));
+        }
+        illuminances(&rendered.frame, count)
+    }
+}
+
+/// The luminance of all layers together and of some, of each point; layers of points are illuminances [lx].
+fn illuminances(frame: &Frame, count: usize) -> Result<Vec<f64>> {
+    let layers = LAYERS.map(|field| frame.layer(field.name()));
+    let values: Vec<f64> = (0..count)
+        .flat_map(|i| {
+            let layer =
+                layers.map(|layer| layer.map_or(0.0, |layer| luminance(layer.rgb[i].as_dvec3())));
+            [luminance(frame.picture(i)), layer[0], layer[1], layer[2]]
+        })
+        .collect();
+    match values.iter().all(|value| value.is_finite()) {
+        true => Ok(values),
+        false => Err(Error::failed(
+            "an illuminance is not a number",
+            "please report this defect with the command, the scene and the points",
+        )),
+    }
+}

@@ -1,0 +1,190 @@
+//! Light of the sky and of other surfaces on surfaces.
+//!
+//! L = albedo / pi * integral of L_in cos(theta) dw. What comes straight from the sky is the layer `sky`, what other surfaces send is
+//! `indirect`, whatever its source. What surfaces send is found by progressive refinement over patches ([`crate::radiosity`]); what
+//! a place receives of it, and of the sky, by rays from that place, so that contact shadows and outlines of windows are as sharp as
+//! they are, and no patch shows.
+
+use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings, Source, Surface};
+use crate::colour::luminance;
+use crate::conditions::{Conditions, Input};
+use crate::radiosity::{Arrival, Care, Detail, Lattice, Light, Source as From, Transport};
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Light of sky and surfaces on surfaces.
+pub const RADIOSITY: Effect = Effect {
+    name: "radiosity",
+    summary: "light of the sky and of other surfaces on surfaces",
+    reads: &[Field::Surface],
+    writes: &[Field::Sky, Field::Indirect],
+    keeps: &[&TRANSPORT, &LIGHT, &LATTICE],
+    knobs: &[
+        Knob {
+            name: "sky",
+            meaning: "parts of each of the sky's 145 patches, each way",
+            values: [4.0, 8.0, 16.0, 16.0],
+            range: [1.0, 16.0],
+        },
+        Knob {
+            name: "rays",
+            meaning: "rays from a place, before outlines are refined",
+            values: [64.0, 144.0, 400.0, 4096.0],
+            range: [4.0, 65536.0],
+        },
+        Knob {
+            name: "outline",
+            meaning: "share of a place's light that may be uncertain at outlines",
+            values: [0.05, 0.02, 0.005, 0.001],
+            range: [1e-5, 1.0],
+        },
+        Knob {
+            name: "patch",
+            meaning: "size of a patch as a share of what it is a part of or stands next to",
+            values: [0.25, 0.125, 0.0625, 0.04],
+            range: [0.01, 1.0],
+        },
+        Knob {
+            name: "patches",
+            meaning: "the most patches",
+            values: [1.5e3, 4e3, 1.6e4, 4e4],
+            range: [16.0, 1e6],
+        },
+        Knob {
+            name: "patch_rays",
+            meaning: "rays from each patch",
+            values: [64.0, 128.0, 512.0, 2048.0],
+            range: [16.0, 65536.0],
+        },
+        Knob {
+            name: "patch_spots",
+            meaning: "points of a patch from which small openings are looked at",
+            values: [0.0, 1.0, 4.0, 16.0],
+            range: [0.0, 1024.0],
+        },
+        Knob {
+            name: "bend",
+            meaning: "share of light by which the middle between points may be off what they say",
+            values: [0.15, 0.06, 0.02, 0.01],
+            range: [1e-4, 10.0],
+        },
+        Knob {
+            name: "unshot",
+            meaning: "share of the light that may remain unshot",
+            values: [1e-2, 1e-3, 1e-4, 1e-6],
+            range: [1e-9, 0.5],
+        },
+    ],
+    decide: |conditions| {
+        if conditions.sky.is_none() && !conditions.sun.shines() {
+            return Decision::nothing("neither sky nor sun gives light");
+        }
+        let sky = conditions.sky.as_ref();
+        let sky = sky.map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
+        Decision::run(
+            format!("the sky gives {sky:.0} lx on open ground"),
+            Contribution::Estimate(0.5 * (sky + conditions.sun.illuminance_lux()) / PI),
+        )
+    },
+    reference: |conditions, settings, kept| {
+        let (transport, light) = solution(conditions, settings, kept);
+        let lattice = kept.get(&LATTICE, conditions, settings, || {
+            Lattice::new(&transport, &light, settings.get("bend"))
+        });
+        Box::new(move |fields| {
+            let received: Vec<[DVec3; 2]> = fields
+                .surfaces
+                .iter()
+                .map(|surface| match surface.source {
+                    Source::Nothing => [DVec3::ZERO; 2],
+                    Source::Ground => lattice.on_ground(&transport, &light, surface.position),
+                    Source::Receiver => gathered(&transport, &light, surface),
+                    Source::Triangle(triangle, weights) => lattice.on_triangle(
+                        &transport,
+                        &light,
+                        triangle,
+                        weights,
+                        surface.facet,
+                        surface.position,
+                    ),
+                })
+                .collect();
+            for (place, field) in [Field::Sky, Field::Indirect].into_iter().enumerate() {
+                let mut received = received.iter();
+                fields.update(field, |_, _, surface, present| {
+                    let received = received.next().map_or(DVec3::ZERO, |r| r[place]);
+                    present + surface.albedo / PI * received
+                });
+            }
+        })
+    },
+    passes: &[],
+    ..Effect::NOTHING
+};
+
+/// Who sees whom.
+const TRANSPORT: Keep = Keep {
+    name: "who sees whom",
+    reads: &[Input::Geometry, Input::Materials, Input::Media],
+};
+
+/// How bright all sources are.
+const LIGHT: Keep = Keep {
+    name: "the light of all patches",
+    reads: &[
+        Input::Geometry,
+        Input::Materials,
+        Input::Media,
+        Input::Sky,
+        Input::Sun,
+    ],
+};
+
+/// The light on surfaces where a picture needed it.
+const LATTICE: Keep = Keep {
+    name: "the light on surfaces",
+    reads: LIGHT.reads,
+};
+
+/// Transport and light of a scene, kept.
+fn solution(
+    conditions: &Conditions,
+    settings: &Settings<'_>,
+    kept: &Kept,
+) -> (Arc<Transport>, Arc<Light>) {
+    let detail = Detail {
+        sky: settings.get("sky") as u32,
+        care: Care {
+            rays: settings.get("rays") as usize,
+            outline: settings.get("outline"),
+        },
+        patch: settings.get("patch"),
+        patches: settings.get("patches") as usize,
+        patch_rays: settings.get("patch_rays") as usize,
+        patch_spots: settings.get("patch_spots") as usize,
+    };
+    let transport = kept.get(&TRANSPORT, conditions, settings, || {
+        Transport::new(conditions, detail)
+    });
+    let light = kept.get(&LIGHT, conditions, settings, || {
+        Light::new(&transport, conditions, settings.get("unshot"))
+    });
+    (transport, light)
+}
+
+/// What a surface receives by rays of its own [lx, RGB]: straight from the sky, and from surfaces.
+fn gathered(transport: &Transport, light: &Light, surface: &Surface) -> [DVec3; 2] {
+    let arrivals = transport.before(surface.position, surface.normal, surface.facet);
+    let sum = |is: fn(&Arrival) -> bool| -> DVec3 {
+        PI * arrivals
+            .iter()
+            .filter(|a| is(a))
+            .map(|a| light.of(a))
+            .sum::<DVec3>()
+    };
+    [
+        sum(|a| matches!(a.source, From::Sky(_))),
+        sum(|a| !matches!(a.source, From::Sky(_))),
+    ]
+}

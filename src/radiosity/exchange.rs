@@ -1,0 +1,145 @@
+//! What patches exchange: areas times form factors, the same both ways.
+//!
+//! Rays from both patches of a pair count, so that A_i F_ij = A_j F_ji holds to rounding: of two estimates that scatter like the
+//! area from which the rays came, the mean A_i A_j (F_ij + F_ji) / (A_i + A_j). Then all pairs are scaled until each patch sends
+//! exactly what it has (the rows of a closed room sum to 1).
+
+use super::arrival::Source;
+use super::patches::Patches;
+use super::transport::Row;
+use glam::{DVec3, Vec3};
+
+/// What all patches exchange with each other and receive from outside.
+#[derive(Default)]
+pub(super) struct Exchange {
+    /// Of each patch: the others, the share of its light that goes to each, and what of this arrives.
+    pub to: Vec<Vec<(u32, f32, Vec3)>>,
+    /// Of each patch: what it sees that is no patch, by share, and what of it is let through.
+    pub outside: Vec<Row>,
+    /// The share of each patch's light that leaves the scene [1].
+    pub escapes: Vec<f64>,
+    /// The most by which a row's sum was corrected [1].
+    pub correction: f64,
+}
+
+impl Exchange {
+    /// Which patches light from outside can reach, directly or by others.
+    pub fn reached(rows: &[Row]) -> Vec<bool> {
+        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); rows.len()];
+        let mut open: Vec<u32> = Vec::new();
+        let mut reached = vec![false; rows.len()];
+        for (i, row) in rows.iter().enumerate() {
+            for (source, ..) in row {
+                match source {
+                    Source::Patch(j) => {
+                        neighbours[i].push(*j);
+                        neighbours[*j as usize].push(i as u32);
+                    }
+                    Source::Sky(_) | Source::OpenGround if !reached[i] => {
+                        reached[i] = true;
+                        open.push(i as u32);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        while let Some(i) = open.pop() {
+            for &j in &neighbours[i as usize] {
+                if !reached[j as usize] {
+                    reached[j as usize] = true;
+                    open.push(j);
+                }
+            }
+        }
+        reached
+    }
+
+    /// Makes it of what each patch sees along its rays.
+    pub fn new(patches: &Patches, rows: Vec<Row>) -> Self {
+        let count = rows.len();
+        let areas: Vec<f64> = patches.all.iter().map(|patch| patch.area).collect();
+        let mut pairs: Vec<(u32, u32, f64, DVec3)> = Vec::new();
+        let mut outside: Vec<Row> = Vec::with_capacity(count);
+        let mut escapes = vec![0.0; count];
+        let is_known: Vec<bool> = rows.iter().map(|row| !row.is_empty()).collect();
+        for (i, row) in rows.into_iter().enumerate() {
+            let mut out = Row::new();
+            for (source, share, through) in row {
+                match source {
+                    Source::Patch(j) => {
+                        let (a, b) = (areas[i], areas[j as usize]);
+                        let (i, known) = (i as u32, is_known[j as usize] && i as u32 != j);
+                        let area = if known { a * b / (a + b) } else { a };
+                        let (share, through) = (f64::from(share), through.as_dvec3());
+                        pairs.push((i.min(j), i.max(j), area * share, area * through));
+                    }
+                    _ => {
+                        escapes[i] += f64::from(share);
+                        out.push((source, share, through));
+                    }
+                }
+            }
+            outside.push(out);
+        }
+        pairs.sort_unstable_by_key(|(i, j, ..)| (*i, *j));
+        pairs.dedup_by(|next, sum| {
+            let same = (next.0, next.1) == (sum.0, sum.1);
+            if same {
+                sum.2 += next.2;
+                sum.3 += next.3;
+            }
+            same
+        });
+        let mut correction = 0.0f64;
+        for turn in 0..TURNS {
+            let mut sums: Vec<f64> = (0..count).map(|i| areas[i] * escapes[i]).collect();
+            for (i, j, area, _) in &pairs {
+                sums[*i as usize] += area;
+                if i != j {
+                    sums[*j as usize] += area;
+                }
+            }
+            let factor = |i: usize| match is_known[i] && sums[i] > 0.0 {
+                true => (areas[i] / sums[i]).sqrt(),
+                false => 1.0,
+            };
+            for (i, j, area, through) in &mut pairs {
+                let by = factor(*i as usize) * factor(*j as usize);
+                *area *= by;
+                *through *= by;
+            }
+            for (i, escapes) in escapes.iter_mut().enumerate() {
+                *escapes *= factor(i);
+            }
+            if turn == 0 {
+                let off = (0..count).filter(|i| is_known[*i] && sums[*i] > 0.0);
+                correction = off
+                    .map(|i| (areas[i] / sums[i] - 1.0).abs())
+                    .fold(0.0, f64::max);
+            }
+        }
+        let mut to: Vec<Vec<(u32, f32, Vec3)>> = vec![Vec::new(); count];
+        for (i, j, area, through) in pairs {
+            let mut send = |from: u32, at: u32| {
+                let own = areas[from as usize];
+                if own > 0.0 {
+                    let share = (area / own) as f32;
+                    to[from as usize].push((at, share, (through / own).as_vec3()));
+                }
+            };
+            send(i, j);
+            if i != j {
+                send(j, i);
+            }
+        }
+        Exchange {
+            to,
+            outside,
+            escapes,
+            correction,
+        }
+    }
+}
+
+/// How often rows are scaled: each time leaves less than half of what they were off by.
+const TURNS: usize = 24;

@@ -1,0 +1,317 @@
+//! What comes to a place, by rays: more of them along outlines of what is bright.
+//!
+//! Directions lie in equal cells of a square that is mapped to the sphere or the hemisphere. Where a cell and its
+//! neighbour differ (one sees the sky, the other a wall), an outline runs through, and the cell is quartered until outlines are known
+//! well enough; openings that are known to be somewhere are looked for, however small they are from there. The same directions
+//! everywhere let what is found change smoothly from place to place; each lies elsewhere in its cell, since an outline that runs along
+//! the cells' borders would be off by the same in all of them.
+
+use super::arrival::{Arrival, Map, Source};
+use super::patches::spread;
+use super::transport::{Look, Transport};
+use crate::scene::Ray;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// How often a cell may be quartered, and one in which an opening is known to be.
+const LEVELS: [u32; 2] = [4, 9];
+
+/// How closely a place is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Care {
+    /// Rays before outlines are refined.
+    pub rays: usize,
+    /// The share of light that may be uncertain for want of finer outlines [1].
+    pub outline: f64,
+}
+
+/// The least share of a place's light that is worth a finer outline [1].
+const DIM: f64 = 0.004;
+
+/// What outlines are drawn between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Dark,
+    Sky,
+    Ground,
+}
+
+/// A cell's level, and its place there.
+type Place = (u32, u32, u32);
+
+/// A cell: its level and place there, what its ray has met, and the first of its quarters, 0 for none.
+struct Square {
+    at: Place,
+    kind: Kind,
+    quarters: u32,
+    arrival: Arrival,
+}
+
+/// All cells of one place: the first n x n are the coarsest, row by row.
+struct View {
+    n: u32,
+    /// Whether what lies along the border of the square is worth a look: the strip of wall between a window and the horizon.
+    is_edge: bool,
+    squares: Vec<Square>,
+}
+
+impl View {
+    /// The cell without quarters at a place of a level, or the one of that level.
+    fn leaf(&self, level: u32, i: u32, j: u32) -> u32 {
+        let mut at = (j >> level) * self.n + (i >> level);
+        for up in (0..level).rev() {
+            let quarters = self.squares[at as usize].quarters;
+            if quarters == 0 {
+                break;
+            }
+            at = quarters + ((i >> up) & 1) + 2 * ((j >> up) & 1);
+        }
+        at
+    }
+
+    /// The cells beside one, of its own level or coarser; one of its own level may have quarters.
+    fn beside(&self, square: u32) -> impl Iterator<Item = u32> + '_ {
+        let (level, i, j) = self.squares[square as usize].at;
+        let side = self.n << level;
+        let places = [
+            (i > 0).then(|| (i - 1, j)),
+            (i + 1 < side).then_some((i + 1, j)),
+            (j > 0).then(|| (i, j - 1)),
+            (j + 1 < side).then_some((i, j + 1)),
+        ];
+        places
+            .into_iter()
+            .flatten()
+            .map(move |(i, j)| self.leaf(level, i, j))
+    }
+
+    /// The cells of a level that differ from one beside them.
+    fn outline(&self, level: u32) -> Vec<u32> {
+        (0..self.squares.len() as u32)
+            .filter(|square| {
+                let own = &self.squares[*square as usize];
+                own.at.0 == level
+                    && own.quarters == 0
+                    && (own.kind != Kind::Dark && self.is_edge && self.is_border(own.at)
+                        || self
+                            .beside(*square)
+                            .any(|other| self.holds_other(other, own.kind)))
+            })
+            .collect()
+    }
+
+    /// Whether a cell lies along the border of the square.
+    fn is_border(&self, (level, i, j): Place) -> bool {
+        let last = (self.n << level) - 1;
+        i == 0 || j == 0 || i == last || j == last
+    }
+
+    /// Whether there is anything of another kind in a cell.
+    fn holds_other(&self, square: u32, kind: Kind) -> bool {
+        let square = &self.squares[square as usize];
+        match square.quarters {
+            0 => square.kind != kind,
+            first => (first..first + 4).any(|quarter| self.holds_other(quarter, kind)),
+        }
+    }
+
+    /// Adds a cell and those beside it to `open` where they differ.
+    fn differing(&self, square: u32, open: &mut Vec<u32>) {
+        let kind = self.squares[square as usize].kind;
+        let mut differs = false;
+        for other in self.beside(square) {
+            if self.holds_other(other, kind) {
+                differs = true;
+                if self.squares[other as usize].quarters == 0 {
+                    open.push(other);
+                }
+            }
+        }
+        if differs {
+            open.push(square);
+        }
+    }
+
+    /// The weight of all that is bright.
+    fn bright(&self) -> f64 {
+        let bright = |s: &&Square| s.quarters == 0 && s.kind != Kind::Dark;
+        let shares = self.squares.iter().filter(bright);
+        shares.map(|square| f64::from(square.arrival.share)).sum()
+    }
+}
+
+/// Where in a cell its ray goes, 0 to 1: another place in each, the same at every point.
+fn within_cell(level: u32, i: u32, j: u32) -> [f64; 2] {
+    let [x, y, ..] = spread(
+        0,
+        u64::from(level) << 56 | u64::from(i) << 28 | u64::from(j),
+    );
+    [x, y]
+}
+
+impl Transport {
+    /// What a point of the air receives from all directions; the solid angles sum to 4 pi.
+    pub fn around(&self, point: DVec3) -> Vec<Arrival> {
+        self.gather(point, &Map::Sphere, self.detail.care)
+    }
+
+    /// What a surface receives at a point; the shares sum to 1. `normal` is that of the cosine law, `facet` the side on which
+    /// the point is.
+    pub fn before(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Vec<Arrival> {
+        let origin = point + self.near(point) * facet;
+        self.gather(origin, &Map::before(normal), self.detail.care)
+    }
+
+    pub(super) fn gather(&self, origin: DVec3, map: &Map, care: Care) -> Vec<Arrival> {
+        let n = (care.rays as f64).sqrt().round().max(2.0) as u32;
+        let whole = map.whole();
+        let see = |level: u32, i: u32, j: u32| {
+            let side = f64::from(n << level);
+            let [x, y] = within_cell(level, i, j);
+            let toward = map.toward((f64::from(i) + x) / side, (f64::from(j) + y) / side);
+            let look = self.look(&Ray {
+                origin,
+                direction: toward,
+            });
+            Square {
+                at: (level, i, j),
+                kind: self.kind(look.source),
+                quarters: 0,
+                arrival: Arrival {
+                    toward: toward.as_vec3(),
+                    share: (whole / (side * side)) as f32,
+                    through: look.through,
+                    source: look.source,
+                },
+            }
+        };
+        let mut view = View {
+            n,
+            is_edge: false,
+            squares: (0..n * n).map(|k| see(0, k % n, k / n)).collect(),
+        };
+        view.is_edge = matches!(map, Map::Cosine(_)) && view.bright() < 0.5;
+        let mut missed = self.missed(origin, map, &view, care);
+        for level in 0..LEVELS[1] {
+            let mut open: Vec<u32> = match level < LEVELS[0] {
+                true => view.outline(level),
+                false => Vec::new(),
+            };
+            // A cell that an outline crosses is off by 0.29 of its weight on average.
+            let weight = whole / f64::from(n << level).powi(2);
+            let error = 0.29 * weight * (open.len() as f64).sqrt();
+            if error < care.outline * (view.bright() + DIM * whole) {
+                open.clear();
+            }
+            // Outlines are followed wherever they go, else what chance has missed of them would always err to one side.
+            let outlined = !open.is_empty();
+            let seek = |view: &View, [x, y]: &[f64; 2]| {
+                let side = f64::from(n << LEVELS[1]);
+                view.leaf(LEVELS[1], (x * side) as u32, (y * side) as u32)
+            };
+            missed.retain(|at| {
+                let leaf = seek(&view, at);
+                let dark = view.squares[leaf as usize].kind == Kind::Dark;
+                if dark && view.squares[leaf as usize].at.0 == level {
+                    open.push(leaf);
+                }
+                dark
+            });
+            if open.is_empty() {
+                break;
+            }
+            while let Some(leaf) = open.pop() {
+                let (own, i, j) = view.squares[leaf as usize].at;
+                if view.squares[leaf as usize].quarters != 0 || own > level {
+                    continue;
+                }
+                let first = view.squares.len() as u32;
+                view.squares[leaf as usize].quarters = first;
+                for quarter in 0..4 {
+                    let (i, j) = (2 * i + quarter % 2, 2 * j + quarter / 2);
+                    view.squares.push(see(own + 1, i, j));
+                }
+                if outlined {
+                    for quarter in first..first + 4 {
+                        view.differing(quarter, &mut open);
+                    }
+                }
+            }
+        }
+        let leaves = view.squares.into_iter().filter(|s| s.quarters == 0);
+        leaves.map(|square| square.arrival).collect()
+    }
+
+    /// Places in the square where there are openings that no cell around has seen.
+    fn missed(&self, origin: DVec3, map: &Map, view: &View, care: Care) -> Vec<[f64; 2]> {
+        let n = view.n;
+        let mut missed = Vec::new();
+        // An opening that could not be seen beside the others is not looked for.
+        let least = 0.1 * care.outline * (view.bright() + DIM * map.whole()) / map.whole();
+        for opening in self.openings.all() {
+            let way = *opening - origin;
+            if self.openings.size.powi(2) < PI * least * way.length_squared() {
+                continue;
+            }
+            let Some(direction) = way.try_normalize() else {
+                continue;
+            };
+            let Some([x, y]) = map.place(direction) else {
+                continue;
+            };
+            let [i, j] = [x, y].map(|at| ((at * f64::from(n)) as u32).min(n - 1));
+            let known = (i.saturating_sub(1)..(i + 2).min(n))
+                .flat_map(|i| (j.saturating_sub(1)..(j + 2).min(n)).map(move |j| j * n + i))
+                .any(|square| view.squares[square as usize].kind != Kind::Dark);
+            if !known {
+                let look = self.look(&Ray { origin, direction });
+                if self.kind(look.source) != Kind::Dark {
+                    missed.push([x, y].map(|at| at.clamp(0.0, 1.0 - 1e-12)));
+                }
+            }
+        }
+        missed
+    }
+
+    /// Points in openings, as they are seen before a surface: where a direction is free and the next one is blocked, the free ray
+    /// where the other one ends. Nothing from a place that sees much of the outside.
+    pub(super) fn openings_before(&self, point: DVec3, normal: DVec3) -> Vec<DVec3> {
+        const SIDE: usize = 16;
+        let origin = point + self.near(point) * normal;
+        let map = Map::before(normal);
+        let at = |k: usize| (k as f64 + 0.5) / SIDE as f64;
+        let looks: Vec<(DVec3, Look)> = (0..SIDE * SIDE)
+            .map(|k| {
+                let direction = map.toward(at(k % SIDE), at(k / SIDE));
+                (direction, self.look(&Ray { origin, direction }))
+            })
+            .collect();
+        let free = |k: usize| self.kind(looks[k].1.source) != Kind::Dark;
+        let count = (0..looks.len()).filter(|k| free(*k)).count();
+        if 2 * count > looks.len() {
+            return Vec::new();
+        }
+        let mut points = Vec::new();
+        for k in (0..looks.len()).filter(|k| free(*k)) {
+            let beside = [
+                (k % SIDE > 0).then(|| k - 1),
+                (k % SIDE + 1 < SIDE).then_some(k + 1),
+                k.checked_sub(SIDE),
+                Some(k + SIDE).filter(|k| *k < looks.len()),
+            ];
+            let blocked = beside.into_iter().flatten().filter(|k| !free(*k));
+            points.extend(blocked.map(|other| origin + looks[other].1.distance * looks[k].0));
+        }
+        points
+    }
+
+    /// What outlines are drawn between: surfaces, the sky, the ground outside.
+    fn kind(&self, source: Source) -> Kind {
+        match source {
+            Source::Patch(patch) if self.patches.is_ground(patch) => Kind::Ground,
+            Source::Nothing | Source::Patch(_) => Kind::Dark,
+            Source::Sky(_) => Kind::Sky,
+            Source::OpenGround => Kind::Ground,
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! Light between the points where it was looked at: lattices on surfaces that are refined where light changes.
+//!
+//! On a plane each part of a cell has its rectangle, with what the corners receive; a rectangle whose middle receives otherwise than
+//! its corners say is quartered. Points are fixed on the surface, whoever looks, so that nothing moves with the camera; they are looked
+//! at when a picture needs them, and what they have seen serves other moments too. Small and bent triangles have their corners'
+//! light.
+
+use super::arrival::Source;
+use super::cells::{Face, Part};
+use super::light::Light;
+use super::planes::{Home, corners};
+use super::transport::{Row, Transport, merge};
+use crate::colour::luminance;
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::hash::{BuildHasher, Hash, RandomState};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// What a place receives straight from the sky, and from surfaces [lx, RGB].
+pub type Received = [DVec3; 2];
+
+/// A map for many threads, in parts that are locked one by one.
+pub(super) struct Shards<K, V> {
+    shards: Vec<Mutex<HashMap<K, Arc<OnceLock<V>>>>>,
+    hasher: RandomState,
+}
+
+impl<K: Hash + Eq, V> Default for Shards<K, V> {
+    fn default() -> Self {
+        Shards {
+            shards: std::iter::repeat_with(Mutex::default).take(64).collect(),
+            hasher: RandomState::new(),
+        }
+    }
+}
+
+impl<K: Hash + Eq, V> Shards<K, V> {
+    /// The place of a key, made if need be.
+    pub fn at(&self, key: K) -> Arc<OnceLock<V>> {
+        let shard = self.hasher.hash_one(&key) as usize % self.shards.len();
+        let mut map = self.shards[shard]
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        map.entry(key).or_default().clone()
+    }
+}
+
+/// A point of the lattices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Point {
+    /// On a face, at coordinates in units of a millionth of its side.
+    Face(u32, i64, i64),
+    /// A vertex with a normal of its own, and on which side.
+    Vertex(u32, bool),
+    /// A corner of a triangle without one, and on which side.
+    Corner(u32, u8, bool),
+}
+
+/// What points of the lattices have seen, for any moment.
+pub(super) type Seen = Shards<Point, Row>;
+
+/// The light of a moment on surfaces.
+pub struct Lattice {
+    /// By patch.
+    parts: Vec<OnceLock<Option<Box<Node>>>>,
+    /// By triangle and side.
+    bent: Shards<(u32, bool), [Received; 3]>,
+    open_ground: Received,
+    tolerance: f64,
+}
+
+/// A rectangle of a part.
+struct Node {
+    low: DVec2,
+    high: DVec2,
+    depth: u32,
+    corners: [Received; 4],
+    quarters: OnceLock<Option<Box<[Node; 4]>>>,
+}
+
+/// How often a rectangle may be quartered.
+const DEPTH: u32 = 4;
+
+/// How far from borders points stay, over the size of a cell.
+const INSET: f64 = 2e-3;
+
+impl Lattice {
+    /// One on which nothing is known yet; rectangles whose middle is off by less than `tolerance` of its light are not divided.
+    pub fn new(transport: &Transport, light: &Light, tolerance: f64) -> Self {
+        Lattice {
+            parts: std::iter::repeat_with(OnceLock::new)
+                .take(transport.patches.all.len())
+                .collect(),
+            bent: Shards::default(),
+            open_ground: light.on_open_ground(),
+            tolerance,
+        }
+    }
+
+    /// What a triangle receives at a point on one side, by the weights of its second and third vertex. `normal` is that of shading.
+    pub fn on_triangle(
+        &self,
+        transport: &Transport,
+        light: &Light,
+        triangle: u32,
+        [v, w]: [f64; 2],
+        facet: DVec3,
+        position: DVec3,
+    ) -> Received {
+        let [a, b, c] = corners(&transport.conditions, triangle);
+        let outward = (b - a).cross(c - a);
+        let front = outward.dot(facet) >= 0.0;
+        if let Home::Plane(plane, is_front) = transport.patches.homes[triangle as usize]
+            && !transport.patches.is_bent(triangle)
+        {
+            let face = 2 * plane + u32::from(front != is_front);
+            if let Some(received) = self.on_face(transport, light, face, position) {
+                return received;
+            }
+        }
+        let place = self.bent.at((triangle, front));
+        let corners = place.get_or_init(|| {
+            [0, 1, 2].map(|corner| light.given_by(&transport.at_corner(triangle, corner, front)))
+        });
+        let mix = |k: usize| corners[0][k] * (1.0 - v - w) + corners[1][k] * v + corners[2][k] * w;
+        [mix(0), mix(1)].map(|received| received.max(DVec3::ZERO))
+    }
+
+    /// What the ground receives at a point.
+    pub fn on_ground(&self, transport: &Transport, light: &Light, position: DVec3) -> Received {
+        let face = transport.patches.faces.len() as u32 - 1;
+        self.on_face(transport, light, face, position)
+            .unwrap_or(self.open_ground)
+    }
+
+    fn on_face(
+        &self,
+        transport: &Transport,
+        light: &Light,
+        face: u32,
+        position: DVec3,
+    ) -> Option<Received> {
+        let of = &transport.patches.faces[face as usize];
+        let at = of.plane.flat(position);
+        let (_, cell) = of.cell(at)?;
+        let part = cell.part(at)?;
+        let look = Look {
+            transport,
+            light,
+            face,
+            of,
+            part,
+            inset: INSET * cell.side,
+        };
+        let root = self.parts[part.patch as usize].get_or_init(|| {
+            let node = look.node(part.low, part.high, 0);
+            Some(Box::new(node))
+        });
+        let mut node = root.as_deref()?;
+        loop {
+            let quarters = node
+                .quarters
+                .get_or_init(|| look.quarters(node, self.tolerance));
+            let Some(quarters) = quarters else {
+                return Some(node.at(at));
+            };
+            let middle = 0.5 * (node.low + node.high);
+            node = &quarters[usize::from(at.x >= middle.x) + 2 * usize::from(at.y >= middle.y)];
+        }
+    }
+}
+
+impl Node {
+    fn at(&self, at: DVec2) -> Received {
+        let size = (self.high - self.low).max(DVec2::splat(f64::MIN_POSITIVE));
+        let f = ((at - self.low) / size).clamp(DVec2::ZERO, DVec2::ONE);
+        let [a, b, c, d] = &self.corners;
+        [0, 1].map(|k| {
+            (a[k] * (1.0 - f.x) + b[k] * f.x) * (1.0 - f.y)
+                + (c[k] * (1.0 - f.x) + d[k] * f.x) * f.y
+        })
+    }
+}
+
+/// One part of a cell under one light.
+struct Look<'a> {
+    transport: &'a Transport,
+    light: &'a Light,
+    face: u32,
+    of: &'a Face,
+    part: &'a Part,
+    inset: f64,
+}
+
+impl Look<'_> {
+    fn node(&self, low: DVec2, high: DVec2, depth: u32) -> Node {
+        let corners = [
+            low,
+            DVec2::new(high.x, low.y),
+            DVec2::new(low.x, high.y),
+            high,
+        ];
+        Node {
+            low,
+            high,
+            depth,
+            corners: corners.map(|at| self.received(at)),
+            quarters: OnceLock::new(),
+        }
+    }
+
+    /// The quarters of a rectangle, where its middle is not what its corners say.
+    fn quarters(&self, node: &Node, tolerance: f64) -> Option<Box<[Node; 4]>> {
+        if node.depth >= DEPTH {
+            return None;
+        }
+        let middle = 0.5 * (node.low + node.high);
+        if !self.of.covers(middle) {
+            return None;
+        }
+        let whole = |received: &Received| luminance(received[0] + received[1]);
+        let found = whole(&self.received(middle));
+        let corners = node.corners.each_ref().map(whole);
+        let mean = 0.25 * corners.iter().sum::<f64>();
+        let most = corners.iter().copied().fold(found, f64::max);
+        let least = corners.iter().copied().fold(found, f64::min);
+        let bends = (found - mean).abs() > tolerance * found.max(mean);
+        // A shadow that passes between the corners and the middle shows by its steepness.
+        let steep = most > 4.0 * least && node.depth + 2 < DEPTH;
+        if !bends && !steep {
+            return None;
+        }
+        let quarter = |k: usize| {
+            let (x, y) = (k % 2 == 1, k / 2 == 1);
+            let pick = |upper: bool, low: f64, middle: f64, high: f64| match upper {
+                true => (middle, high),
+                false => (low, middle),
+            };
+            let (left, right) = pick(x, node.low.x, middle.x, node.high.x);
+            let (lower, upper) = pick(y, node.low.y, middle.y, node.high.y);
+            let (low, high) = (DVec2::new(left, lower), DVec2::new(right, upper));
+            self.node(low, high, node.depth + 1)
+        };
+        Some(Box::new([0, 1, 2, 3].map(quarter)))
+    }
+
+    /// What the surface receives at a point, or as near to it as it goes on.
+    fn received(&self, at: DVec2) -> Received {
+        let at = self.within(at);
+        let unit = 1e6 / self.of.side();
+        let key = Point::Face(
+            self.face,
+            (at.x * unit).round() as i64,
+            (at.y * unit).round() as i64,
+        );
+        let seen = self.transport.seen.at(key);
+        let row = seen.get_or_init(|| {
+            let normal = self.of.plane.normal;
+            self.transport.row(self.of.plane.point(at), normal, normal)
+        });
+        self.light.given_by(row)
+    }
+
+    /// A point itself where the surface goes on around it, else one a little inside the part.
+    fn within(&self, at: DVec2) -> DVec2 {
+        let steps = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+        let around = steps.map(|(x, y)| at + self.inset * DVec2::new(x, y));
+        let is_own = around.map(|p| self.of.covers(p) && self.of.patch(p) == Some(self.part.patch));
+        let on = around
+            .iter()
+            .all(|p| self.of.covers(*p) && self.of.is_uncut_between(at, *p));
+        if on {
+            return at;
+        }
+        let own = around.iter().zip(is_own).filter(|(_, own)| *own);
+        let count = own.clone().count();
+        if count > 0 {
+            return own.map(|(p, _)| *p).sum::<DVec2>() / count as f64;
+        }
+        // The nearest point of the part, a little toward the middle of its polygon.
+        let nearest = self.part.pieces.iter().map(|(_, polygon)| {
+            let near = nearest_on(polygon, at);
+            let middle = polygon.iter().copied().sum::<DVec2>() / polygon.len() as f64;
+            let way = middle - near;
+            let step = self.inset.min(0.5 * way.length());
+            (
+                near.distance_squared(at),
+                near + step * way.normalize_or_zero(),
+            )
+        });
+        let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map_or(at, |(_, point)| point)
+    }
+}
+
+/// The point of a convex polygon that is nearest to another point.
+fn nearest_on(polygon: &[DVec2], at: DVec2) -> DVec2 {
+    if super::cells::holds(polygon, at) {
+        return at;
+    }
+    let edges = (0..polygon.len()).map(|i| {
+        let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        let way = b - a;
+        let square = way.length_squared();
+        let f = if square > 0.0 {
+            (way.dot(at - a) / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        a + f * way
+    });
+    let near = edges.min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
+    near.unwrap_or(at)
+}
+
+impl Transport {
+    /// What a surface sees from a point, by source.
+    fn row(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Row {
+        let arrivals = self.before(point, normal, facet);
+        let entry = |a: super::Arrival| (a.source, a.share, a.share * a.through);
+        let mut row: Row = arrivals.into_iter().map(entry).collect();
+        merge(&mut row);
+        row
+    }
+
+    /// What a triangle sees from a corner, a little inside.
+    fn at_corner(&self, triangle: u32, corner: usize, front: bool) -> Row {
+        let mesh = &self.conditions.scene.mesh;
+        let vertices = mesh.triangles[triangle as usize].vertices;
+        let vertex = vertices[corner];
+        let own = mesh.normals[vertex as usize];
+        let key = match own == DVec3::ZERO {
+            true => Point::Corner(triangle, corner as u8, front),
+            false => Point::Vertex(vertex, front),
+        };
+        let seen = self.seen.at(key);
+        let row = seen.get_or_init(|| {
+            let places = corners(&self.conditions, triangle);
+            let [a, b, c] = places;
+            let outward = (b - a).cross(c - a).normalize_or_zero();
+            let facet = if front { outward } else { -outward };
+            let normal = match own.try_normalize() {
+                Some(n) if n.dot(facet) < 0.0 => -n,
+                Some(n) => n,
+                None => facet,
+            };
+            let middle = (a + b + c) / 3.0;
+            self.row(places[corner].lerp(middle, INSET), normal, facet)
+        });
+        row.clone()
+    }
+}
+
+impl Light {
+    /// What a place receives that sees these.
+    fn given_by(&self, row: &Row) -> Received {
+        let mut received = [DVec3::ZERO; 2];
+        for (source, _, through) in row {
+            let which = usize::from(!matches!(source, Source::Sky(_)));
+            received[which] += PI * through.as_dvec3() * self.radiance(*source);
+        }
+        received
+    }
+}
