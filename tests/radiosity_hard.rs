@@ -1,0 +1,490 @@
+//! Light between surfaces where it is hard: meshes that touch, lie in each other, are needles or of all sizes; reflectances of 0
+//! and 1; pinholes; rooms that nothing lights; very many triangles. Each is held to a plain scene with the same light, or to a law.
+
+mod common;
+
+use common::build::{cuboid, quad};
+use common::receive::*;
+use common::rooms::{Opening, Shell, plan};
+use glam::{DVec3, dvec3};
+use std::f64::consts::PI;
+use std::time::Instant;
+use tyndall::conditions::Receiver;
+use tyndall::scene::Scene;
+use tyndall::studies::scenes::Corners;
+
+type Surfaces = Vec<(Corners, f64)>;
+
+/// What the same room may differ by, drawn in another way.
+const SAME: f64 = 0.005;
+
+const FLOOR: f64 = 0.3;
+const WALLS: f64 = 0.5;
+const CEILING: f64 = 0.8;
+
+fn grey(triangles: impl IntoIterator<Item = Corners>, reflectance: f64) -> Surfaces {
+    triangles.into_iter().map(|t| (t, reflectance)).collect()
+}
+
+/// A room, 4 by 6 and 3 high, with a window to the south.
+fn shell(thickness: f64) -> Shell {
+    Shell {
+        outline: plan(4.0, 6.0),
+        height: 3.0,
+        thickness,
+        openings: vec![Opening {
+            wall: 0,
+            along: [0.8, 3.2],
+            height: [0.9, 2.4],
+        }],
+        reflectances: [FLOOR, WALLS, CEILING],
+    }
+}
+
+fn study(thickness: f64) -> Surfaces {
+    let room = shell(thickness).room("study", 1.0);
+    let reflectance = |material: u32| room.reflectances[material as usize].x;
+    room.triangles
+        .iter()
+        .map(|(corners, m)| (*corners, reflectance(*m)))
+        .collect()
+}
+
+/// Points in the room: on the workplane, before the walls, under the ceiling.
+fn points() -> Vec<Receiver> {
+    let mut points = Vec::new();
+    for z in [-0.7, -2.1, -3.6, -5.2] {
+        for x in [0.6, 2.1, 3.3] {
+            points.push(at(dvec3(x, 0.85, z), DVec3::Y));
+        }
+        points.push(at(dvec3(0.05, 1.4, z), DVec3::X));
+        points.push(at(dvec3(2.0, 2.9, z), DVec3::NEG_Y));
+    }
+    points.push(at(dvec3(1.7, 1.2, -5.9), DVec3::Z));
+    points
+}
+
+/// The sky, sun and ground that all these rooms stand under: the sun comes through the window.
+fn outside(scene: Scene) -> Scene {
+    let scene = sun(sky(scene, "cie:12"), [200.0, 35.0], 6e4);
+    ground(scene, -0.2, 0.2)
+}
+
+/// What the points receive in all.
+fn light(parts: &Surfaces) -> Vec<f64> {
+    y(&receive(outside(surfaces(parts)), &points()).total())
+}
+
+/// Prints and checks how far one drawing of a room is from another.
+#[track_caller]
+fn same(what: &str, found: &[f64], plain: &[f64], allowed: f64) {
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    let off = worst(found, plain);
+    let of_means = mean(found) / mean(plain) - 1.0;
+    eprintln!(
+        "{what}: mean {:+.3} %, worst {:.3} %",
+        100.0 * of_means,
+        100.0 * off
+    );
+    assert!(
+        plain.iter().all(|v| *v > 10.0),
+        "{what}: the room is dark: {plain:?}"
+    );
+    assert!(off < allowed, "{what}: off by {off:.2e}");
+}
+
+#[test]
+fn coplanar_and_touching_patches_change_nothing() {
+    let plain = light(&study(0.0));
+    // Every triangle twice, the second turned over.
+    let mut twice = study(0.0);
+    twice.extend(study(0.0).into_iter().map(|([a, b, c], r)| ([a, c, b], r)));
+    same("every surface twice", &light(&twice), &plain, SAME);
+
+    // A carpet of the floor's colour that lies in the floor, and a poster in the wall.
+    let mut carpet = study(0.0);
+    carpet.extend(grey(
+        quad(dvec3(1.0, 0.0, -5.0), DVec3::X * 2.0, DVec3::Z * 3.0),
+        FLOOR,
+    ));
+    carpet.extend(grey(
+        quad(dvec3(0.0, 0.7, -4.0), DVec3::Y * 1.5, DVec3::Z * 2.3),
+        WALLS,
+    ));
+    same("coplanar patches", &light(&carpet), &plain, SAME);
+
+    // Walls of 0.3 as boxes that touch, with faces that lie against each other, and walls as one surface with reveals.
+    let plain = light(&study(0.3));
+    let mut boxes = Surfaces::new();
+    let mut block = |low: [f64; 3], high: [f64; 3]| {
+        boxes.extend(grey(cuboid(DVec3::from(low), DVec3::from(high)), WALLS));
+    };
+    block([-0.3, -0.2, 0.0], [0.8, 3.3, 0.3]);
+    block([3.2, -0.2, 0.0], [4.3, 3.3, 0.3]);
+    block([0.8, -0.2, 0.0], [3.2, 0.9, 0.3]);
+    block([0.8, 2.4, 0.0], [3.2, 3.3, 0.3]);
+    block([-0.3, -0.2, -6.3], [4.3, 3.3, -6.0]);
+    block([-0.3, -0.2, -6.0], [0.0, 3.3, 0.0]);
+    block([4.0, -0.2, -6.0], [4.3, 3.3, 0.0]);
+    boxes.extend(grey(
+        quad(dvec3(0.0, 0.0, -6.0), DVec3::X * 4.0, DVec3::Z * 6.0),
+        FLOOR,
+    ));
+    boxes.extend(grey(
+        quad(dvec3(0.0, 3.0, -6.0), DVec3::X * 4.0, DVec3::Z * 6.0),
+        CEILING,
+    ));
+    boxes.extend(grey(
+        quad(dvec3(0.0, 3.3, -6.0), DVec3::X * 4.0, DVec3::Z * 6.0),
+        WALLS,
+    ));
+    same("boxes that touch", &light(&boxes), &plain, SAME);
+}
+
+/// A triangle in `count` slivers from its first corner.
+fn slivers([a, b, c]: Corners, count: usize) -> Vec<Corners> {
+    let along = |i: usize| b.lerp(c, i as f64 / count as f64);
+    (0..count).map(|i| [a, along(i), along(i + 1)]).collect()
+}
+
+/// A triangle in `4^depth` of its own shape.
+fn quarters(triangle: Corners, depth: u32) -> Vec<Corners> {
+    if depth == 0 {
+        return vec![triangle];
+    }
+    let [a, b, c] = triangle;
+    let (d, e, f) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
+    [[a, d, f], [d, b, e], [f, e, c], [d, e, f]]
+        .into_iter()
+        .flat_map(|t| quarters(t, depth - 1))
+        .collect()
+}
+
+#[test]
+fn needles_and_fine_meshes_change_nothing() {
+    let plain = light(&study(0.0));
+    for count in [7, 150] {
+        let cut = |(t, r): &(Corners, f64)| grey(slivers(*t, count), *r);
+        let needles: Surfaces = study(0.0).iter().flat_map(cut).collect();
+        same(
+            &format!("{count} needles a triangle"),
+            &light(&needles),
+            &plain,
+            SAME,
+        );
+    }
+    let cut = |(t, r): &(Corners, f64)| grey(quarters(*t, 4), *r);
+    let fine: Surfaces = study(0.0).iter().flat_map(cut).collect();
+    same("256 parts a triangle", &light(&fine), &plain, SAME);
+}
+
+#[test]
+fn a_speck_and_a_plain_in_one_scene_change_nothing() {
+    let plain = light(&study(0.0));
+    // A millionth of a metre, in the middle of the room; a plain of 10 km and one of 30 km in the place of the ground.
+    let mut parts = study(0.0);
+    let low = dvec3(2.03, 1.31, -3.02);
+    parts.extend(grey(
+        [[low, low + 1e-6 * DVec3::X, low + 1e-6 * DVec3::Y]],
+        0.5,
+    ));
+    same("a speck", &light(&parts), &plain, SAME);
+    for size in [1e4, 3e4] {
+        let corner = dvec3(-0.5 * size, -0.2, -0.5 * size);
+        let slab = quad(corner, DVec3::X * size, DVec3::Z * size);
+        let parts = [parts.clone(), grey(slab, 0.2)].concat();
+        let mut scene = outside(surfaces(&parts));
+        scene.ground.enabled = false;
+        let found = y(&receive(scene, &points()).total());
+        same(&format!("on a slab of {size} m"), &found, &plain, SAME);
+    }
+}
+
+#[test]
+fn black_surfaces_send_nothing() {
+    let black: Surfaces = study(0.0).into_iter().map(|(t, _)| (t, 0.0)).collect();
+    let mut scene = outside(surfaces(&black));
+    scene.ground.albedo = 0.0;
+    let found = receive(scene, &points());
+    assert!(
+        found.indirect.iter().all(|v| *v == DVec3::ZERO),
+        "{:?}",
+        found.indirect
+    );
+    assert!(found.sky.iter().any(|v| v.y > 100.0));
+    // The same without a ground: black or nothing is one.
+    let mut scene = outside(surfaces(&black));
+    scene.ground.enabled = false;
+    let without = receive(scene, &points());
+    assert!(without.indirect.iter().all(|v| *v == DVec3::ZERO));
+    same("no ground", &y(&without.sky), &y(&found.sky), SAME);
+}
+
+#[test]
+fn the_sun_at_zenith_and_at_the_horizon() {
+    // A wall that the sun grazes or meets, and points that see it.
+    let wall = quad(dvec3(-1.0, 0.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0);
+    let corners = rectangle(dvec3(-1.0, 0.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0);
+    let before = [
+        at(dvec3(0.2, 0.5, 1.0), DVec3::NEG_Z),
+        at(dvec3(0.0, 0.3, 0.4), DVec3::Y),
+    ];
+    for (elevation, cosine) in [(90.0, 0.0), (0.01, 1.0), (45.0, 0.5f64.sqrt())] {
+        let scene = sun(surfaces(&grey(wall, 0.7)), [180.0, elevation], 1e5);
+        let found = y(&receive(scene, &before).indirect);
+        for (found, point) in found.iter().zip(&before) {
+            let truth = 0.7 * 1e5 * cosine * form_factor(point, &corners);
+            eprintln!("sun at {elevation} degrees: {found:.3} lx, {truth:.3}");
+            assert!(
+                (found - truth).abs() <= 0.01 * truth + 1e-3,
+                "{elevation}: {found} {truth}"
+            );
+        }
+    }
+    // A floor under the zenith lights the underside of a slab that does not shade it.
+    let floor = quad(dvec3(-1.0, 0.0, -1.0), DVec3::X * 2.0, DVec3::Z * 2.0);
+    let corners = rectangle(dvec3(-1.0, 0.0, -1.0), DVec3::X * 2.0, DVec3::Z * 2.0);
+    let scene = sun(surfaces(&grey(floor, 0.7)), [0.0, 90.0], 1e5);
+    let above = at(dvec3(0.1, 1.5, 0.2), DVec3::NEG_Y);
+    let found = y(&receive(scene, &[above]).indirect)[0];
+    let truth = 0.7e5 * form_factor(&above, &corners);
+    assert!((found / truth - 1.0).abs() < 0.01, "{found} {truth}");
+    // On and below the horizon there is no sun.
+    for elevation in [0.0, -0.01, -30.0] {
+        let scene = sun(surfaces(&grey(wall, 0.7)), [180.0, elevation], 1e5);
+        let found = receive(scene, &before);
+        assert!(
+            found.total().iter().all(|v| *v == DVec3::ZERO),
+            "{elevation}"
+        );
+    }
+}
+
+#[test]
+fn a_single_triangle_has_its_form_factor() {
+    let triangle = [DVec3::ZERO, dvec3(1.0, 0.0, 0.2), dvec3(0.3, 0.1, 1.1)];
+    let normal = (triangle[1] - triangle[0])
+        .cross(triangle[2] - triangle[0])
+        .normalize();
+    let toward_sun = tyndall::conditions::toward(2.0, 0.9, 0.0);
+    let azimuth_elevation = [2f64.to_degrees(), 0.9f64.to_degrees()];
+    let scene = sun(surfaces(&grey([triangle], 0.6)), azimuth_elevation, 1e5);
+    let lit = 0.6e5 * normal.dot(toward_sun).abs();
+    // On the side that the sun lights, off its way, and on the other.
+    let side = if normal.dot(toward_sun) > 0.0 {
+        1.0
+    } else {
+        -1.0
+    };
+    let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+    let lit_side: Vec<Receiver> = [0.2, 0.8, 3.0]
+        .map(|h| at(middle + side * h * normal, -side * normal))
+        .to_vec();
+    let found = y(&receive(scene.clone(), &lit_side).indirect);
+    for (found, point) in found.iter().zip(&lit_side) {
+        let truth = lit * form_factor(point, &triangle);
+        eprintln!("one triangle: {found:.2} lx, {truth:.2}");
+        assert!((found / truth - 1.0).abs() < 0.01, "{found} {truth}");
+    }
+    let dark = at(middle - side * normal, side * normal);
+    assert_eq!(receive(scene, &[dark]).indirect[0], DVec3::ZERO);
+}
+
+#[test]
+fn a_room_without_openings_is_black() {
+    for thickness in [0.0, 0.3] {
+        let shut = Shell {
+            openings: Vec::new(),
+            ..shell(thickness)
+        };
+        let room = shut.room("shut", 1.0);
+        let parts: Surfaces = (room.triangles.iter())
+            .map(|(corners, _)| (*corners, 0.9))
+            .collect();
+        let found = receive(outside(surfaces(&parts)), &points());
+        for (point, total) in points().iter().zip(found.total()) {
+            assert_eq!(
+                total,
+                DVec3::ZERO,
+                "thickness {thickness}, {}",
+                point.position
+            );
+        }
+    }
+}
+
+#[test]
+fn without_a_sky_the_sun_alone_lights_a_room() {
+    let mut scene = surfaces(&study(0.0));
+    scene = ground(sun(scene, [200.0, 35.0], 6e4), -0.2, 0.2);
+    let found = receive(scene, &points());
+    assert!(found.sky.iter().all(|v| *v == DVec3::ZERO));
+    // What enters is absorbed or leaves again; every point sees some of it.
+    assert!(
+        found.indirect.iter().all(|v| v.y > 10.0),
+        "{:?}",
+        y(&found.indirect)
+    );
+    // Without a sun too there is nothing.
+    let nothing = ground(surfaces(&study(0.0)), -0.2, 0.2);
+    let found = receive(nothing, &points());
+    assert!(found.total().iter().all(|v| *v == DVec3::ZERO));
+}
+
+/// Light is linear: twice the sky and twice the sun give twice of everything, sky and sun alone sum to both together.
+#[test]
+fn light_is_a_sum() {
+    let all = |sky_level: f64, lux: f64| {
+        let scene = surfaces(&study(0.0));
+        let scene = sky(scene, &format!("uniform:{sky_level}"));
+        let scene = ground(sun(scene, [200.0, 35.0], lux), -0.2, 0.2);
+        y(&receive(scene, &points()).total())
+    };
+    let both = all(4000.0, 6e4);
+    let parts: Vec<f64> = (all(4000.0, 0.0).iter().zip(all(0.0, 6e4)))
+        .map(|(a, b)| a + b)
+        .collect();
+    same("sky and sun", &parts, &both, 1e-3);
+    let twice: Vec<f64> = all(8000.0, 12e4).iter().map(|v| 0.5 * v).collect();
+    same("twice the light", &twice, &both, 1e-3);
+}
+
+#[test]
+fn what_comes_through_a_pinhole_is_kept() {
+    // A cube of 2 with a hole of 2 cm in its roof, under a uniform sky.
+    let (size, hole) = (2.0, 0.02);
+    let albedo = 0.5;
+    let edges = [0.5 * (size - hole), 0.5 * (size + hole)];
+    let hole_at = [edges[0], edges[1], edges[0], edges[1]];
+    let corner = size * DVec3::Y;
+    let mut parts = grey(
+        common::rooms::panel(corner, DVec3::X, DVec3::Z, [size, size], &[hole_at]),
+        albedo,
+    );
+    let faces = [
+        (DVec3::ZERO, DVec3::X, DVec3::Z, DVec3::Y),
+        (DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z),
+        (size * DVec3::Z, DVec3::X, DVec3::Y, DVec3::NEG_Z),
+        (DVec3::ZERO, DVec3::Z, DVec3::Y, DVec3::X),
+        (size * DVec3::X, DVec3::Z, DVec3::Y, DVec3::NEG_X),
+    ];
+    for (corner, a, b, _) in faces {
+        parts.extend(grey(quad(corner, size * a, size * b), albedo));
+    }
+    let scene = sky(surfaces(&parts), "uniform:5000");
+    // Straight from the sky: the hole's form factor.
+    let rim = rectangle(
+        dvec3(edges[0], size, edges[0]),
+        hole * DVec3::X,
+        hole * DVec3::Z,
+    );
+    let below: Vec<Receiver> = [[1.0, 1.0], [0.3, 1.2], [1.9, 0.1]]
+        .map(|[x, z]| at(dvec3(x, 0.001, z), DVec3::Y))
+        .to_vec();
+    let found = y(&receive(scene.clone(), &below).sky);
+    for (found, point) in found.iter().zip(&below) {
+        let truth = 5000.0 * PI * form_factor(point, &rim);
+        eprintln!("below a pinhole: {found:.4} lx, {truth:.4}");
+        assert!((found / truth - 1.0).abs() < 0.01, "{found} {truth}");
+    }
+    // What enters is absorbed, but for the hole's share: (1 - r) sum of E A = pi L a, where a is the hole's area.
+    let area = size * size;
+    let mut absorbed = 0.0;
+    let ceiling = (corner, DVec3::X, DVec3::Z, DVec3::NEG_Y);
+    for (corner, a, b, normal) in faces.into_iter().chain([ceiling]) {
+        let nodes = over_rectangle(corner + 1e-4 * normal, size * a, size * b, normal, 10);
+        let points: Vec<Receiver> = nodes.iter().map(|(p, _)| *p).collect();
+        let total = y(&receive(scene.clone(), &points).total());
+        let mean: f64 = nodes
+            .iter()
+            .zip(&total)
+            .map(|((_, weight), e)| weight * e)
+            .sum();
+        absorbed += (1.0 - albedo) * area * mean;
+    }
+    let entered = 5000.0 * PI * hole * hole;
+    eprintln!("through a pinhole: {absorbed:.4} lm of {entered:.4}");
+    assert!(
+        (absorbed / entered - 1.0).abs() < 0.01,
+        "{absorbed} {entered}"
+    );
+}
+
+#[test]
+fn no_light_leaks_from_a_bright_room_into_a_dark_one() {
+    for thickness in [0.0, 0.12] {
+        // Two white rooms wall to wall under an open sky: one without a ceiling, one closed.
+        let mut parts = Surfaces::new();
+        for (x, open) in [(0.0, true), (3.0 + thickness, false)] {
+            let corner = dvec3(x, 0.0, -3.0);
+            parts.extend(grey(quad(corner, DVec3::X * 3.0, DVec3::Z * 3.0), 0.9));
+            for (from, side) in [
+                (corner, DVec3::X * 3.0),
+                (corner + DVec3::Z * 3.0, DVec3::X * 3.0),
+                (corner, DVec3::Z * 3.0),
+                (corner + DVec3::X * 3.0, DVec3::Z * 3.0),
+            ] {
+                parts.extend(grey(quad(from, side, DVec3::Y * 2.5), 0.9));
+            }
+            if !open {
+                parts.extend(grey(
+                    quad(corner + DVec3::Y * 2.5, DVec3::X * 3.0, DVec3::Z * 3.0),
+                    0.9,
+                ));
+            }
+        }
+        let dark: Vec<Receiver> = [
+            at(dvec3(3.001 + thickness, 0.001, -1.5), DVec3::X),
+            at(dvec3(3.01 + thickness, 0.01, -0.01), DVec3::Y),
+            at(dvec3(4.5 + thickness, 1.2, -1.5), DVec3::NEG_X),
+            at(dvec3(3.002 + thickness, 2.498, -2.998), DVec3::NEG_Y),
+        ]
+        .to_vec();
+        let lit = at(dvec3(1.5, 0.5, -1.5), DVec3::Y);
+        let all = [dark, vec![lit]].concat();
+        let total = receive(outside(surfaces(&parts)), &all).total();
+        let (bright, dark) = total.split_last().expect("there are points");
+        assert!(bright.y > 5e3, "{bright}");
+        for (value, point) in dark.iter().zip(&all) {
+            assert_eq!(
+                *value,
+                DVec3::ZERO,
+                "thickness {thickness}: {}",
+                point.position
+            );
+        }
+    }
+}
+
+/// The most memory that the process has had [MiB], where the system tells.
+fn peak() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib / 1024.0)
+}
+
+#[test]
+fn two_hundred_thousand_triangles_take_bounded_memory() {
+    let plain = light(&study(0.0));
+    let before = peak();
+    // Depth 6: 4 096 parts of each of the 26 triangles, twice as many of the floor and the ceiling.
+    let mut fine = Surfaces::new();
+    for (triangle, reflectance) in study(0.0) {
+        let depth = if reflectance == WALLS { 6 } else { 7 };
+        fine.extend(grey(quarters(triangle, depth), reflectance));
+    }
+    let count = fine.len();
+    assert!(count > 150_000, "{count}");
+    let begin = Instant::now();
+    let found = light(&fine);
+    let seconds = begin.elapsed().as_secs_f64();
+    eprintln!(
+        "{count} triangles: {seconds:.1} s, memory {before:.0?} to {:.0?} MiB",
+        peak()
+    );
+    same("very many triangles", &found, &plain, SAME);
+    if let Some(peak) = peak() {
+        assert!(peak < 2048.0, "{peak} MiB");
+    }
+}
