@@ -135,6 +135,9 @@ pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
             format!("{} pixels at edges resampled", rendered.refined),
         );
     }
+    for note in &rendered.made.notes {
+        line("light", note);
+    }
     line("exposure", format!("EV100 {ev100:.2}"));
 }
 

@@ -77,8 +77,10 @@ impl Backend {
             Backend::Reference(kept) => {
                 // What a rendering that was stopped has made is not made for this one.
                 kept.take_made();
+                kept.take_notes();
                 let mut rendered = Reference::keeping(plan, kept).render(limits, progress)?;
                 rendered.made.products = kept.take_made();
+                rendered.made.notes = kept.take_notes();
                 Ok(rendered)
             }
         }

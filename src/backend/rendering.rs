@@ -108,4 +108,6 @@ pub struct Made {
     pub maps: u32,
     /// Results of effects, by name.
     pub products: Vec<&'static str>,
+    /// What effects say about what they made or used.
+    pub notes: Vec<String>,
 }

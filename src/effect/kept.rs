@@ -26,6 +26,7 @@ struct Entry {
 pub struct Kept {
     entries: Mutex<Vec<Entry>>,
     made: Mutex<Vec<&'static str>>,
+    notes: Mutex<Vec<String>>,
 }
 
 impl Kept {
@@ -91,6 +92,19 @@ impl Kept {
     /// What was made since the last call, by name.
     pub fn take_made(&self) -> Vec<&'static str> {
         std::mem::take(&mut self.made.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Says something about the picture at hand that a user may want to know.
+    pub fn note(&self, text: String) {
+        let mut notes = self.notes.lock().unwrap_or_else(PoisonError::into_inner);
+        if !notes.contains(&text) {
+            notes.push(text);
+        }
+    }
+
+    /// What was said since the last call.
+    pub fn take_notes(&self) -> Vec<String> {
+        std::mem::take(&mut self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Drops everything.

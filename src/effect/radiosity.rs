@@ -95,6 +95,7 @@ pub const RADIOSITY: Effect = Effect {
     },
     reference: |conditions, settings, kept| {
         let (transport, light) = solution(conditions, settings, kept);
+        kept.note(light.describe(&transport));
         let lattice = kept.get(&LATTICE, conditions, settings, || {
             Lattice::new(
                 &transport,

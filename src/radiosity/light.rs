@@ -9,6 +9,7 @@
 use super::arrival::{Arrival, Source};
 use super::patches::spread;
 use super::transport::Transport;
+use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::scene::Ray;
 use glam::DVec3;
@@ -98,6 +99,51 @@ impl Light {
     /// The light of one arrival: share times radiance times what is let through.
     pub fn of(&self, arrival: &Arrival) -> DVec3 {
         f64::from(arrival.share) * arrival.through.as_dvec3() * self.radiance(arrival.source)
+    }
+}
+
+impl Light {
+    /// How it came about, in words: patches, openings, where the light went; and why there is none.
+    pub fn describe(&self, transport: &Transport) -> String {
+        let all = &transport.patches;
+        let exchange = &transport.exchange;
+        let sees =
+            |patch: usize| !exchange.to[patch].is_empty() || !exchange.outside[patch].is_empty();
+        let reached =
+            (0..all.all.len()).filter(|patch| sees(*patch) && !all.is_ground(*patch as u32));
+        let surfaces = (0..all.all.len()).filter(|patch| !all.is_ground(*patch as u32));
+        let (reached, surfaces) = (reached.count(), surfaces.count());
+        let openings = match transport.openings.all().len() {
+            0 => "no small openings".to_owned(),
+            count => format!("{count} points in openings"),
+        };
+        let coarse = match all.coarse {
+            true => ", fewer than the scene's shape asks for (radiosity.patches)",
+            false => "",
+        };
+        let account = &self.account;
+        let share = |part: DVec3| {
+            let whole = luminance(account.received);
+            if whole > 0.0 {
+                100.0 * luminance(part) / whole
+            } else {
+                0.0
+            }
+        };
+        let closed = match surfaces > 0 && reached < surfaces {
+            true => "; light from outside reaches none of the others",
+            false => "",
+        };
+        format!(
+            "{surfaces} patches{coarse}, {reached} of them in reach of light{closed}; {openings}; rows corrected by {:.1} % at most; of \
+             the light that surfaces received from outside {:.1} % was absorbed, {:.1} % escaped, {:.1} % the air took, {:.3} % was not \
+             shot",
+            100.0 * exchange.correction.min(9.99),
+            share(account.absorbed),
+            share(account.escaped),
+            share(account.taken),
+            share(account.unshot),
+        )
     }
 }
 

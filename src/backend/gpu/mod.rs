@@ -199,6 +199,7 @@ impl Gpu {
         let conditions = plan.conditions;
         // What a rendering that was stopped has made is not made for this one.
         self.kept.take_made();
+        self.kept.take_notes();
         let mut loaded = false;
         match &mut self.scene {
             Some(scene) if scene.is_of(conditions) => scene.follow(conditions),
@@ -227,6 +228,7 @@ impl Gpu {
         let mut rendered = Job::new(plan, lent)?.render(limits, progress, growing)?;
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
+        rendered.made.notes = self.kept.take_notes();
         Ok(rendered)
     }
 }
