@@ -48,7 +48,7 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "patches",
             meaning: "the most patches",
-            values: [4e3, 1.2e4, 2.4e4, 6e4],
+            values: [4e3, 2.4e4, 4e4, 1e5],
             range: [16.0, 1e6],
         },
         Knob {

@@ -1,10 +1,10 @@
 //! The making of a transport: rays from all patches.
 
-use super::arrival::{Care, Map, Row, Source, merge};
+use super::arrival::{Care, Map, Row, Source, merge, spread};
 use super::dome::Dome;
 use super::exchange::Exchange;
 use super::openings::{Openings, thinned};
-use super::patches::{Patches, Spot, spread};
+use super::patches::{Patches, Spot};
 use super::points::Seen;
 use super::transport::{Detail, Transport};
 use crate::conditions::Conditions;

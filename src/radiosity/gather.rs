@@ -6,8 +6,7 @@
 //! everywhere let what is found change smoothly from place to place; each lies elsewhere in its cell, since an outline that runs along
 //! the cells' borders would be off by the same in all of them.
 
-use super::arrival::{Arrival, Care, Map, Source};
-use super::patches::spread;
+use super::arrival::{Arrival, Care, Map, Source, spread};
 use super::transport::{Look, Transport};
 use crate::scene::Ray;
 use glam::DVec3;
@@ -182,7 +181,7 @@ impl Transport {
             squares: (0..n * n).map(|k| see(0, k % n, k / n)).collect(),
         };
         view.is_edge = matches!(map, Map::Cosine(_)) && view.bright() < 0.5;
-        let mut missed = self.missed(origin, map, &view, care);
+        let mut places = self.places(origin, map, &view, care);
         for level in 0..LEVELS[1] {
             let mut open: Vec<u32> = match level < LEVELS[0] {
                 true => view.outline(level),
@@ -200,13 +199,17 @@ impl Transport {
                 let side = f64::from(n << LEVELS[1]);
                 view.leaf(LEVELS[1], (x * side) as u32, (y * side) as u32)
             };
-            missed.retain(|at| {
+            places.retain(|at| {
                 let leaf = seek(&view, at);
-                let dark = view.squares[leaf as usize].kind == Kind::Dark;
-                if dark && view.squares[leaf as usize].at.0 == level {
+                let Square { at, kind, .. } = view.squares[leaf as usize];
+                // What is found of an opening counts as exactly as what was missed of it: else chance would err to one side.
+                let wanted = kind == Kind::Dark
+                    || level < LEVELS[0]
+                        && view.beside(leaf).any(|other| view.holds_other(other, kind));
+                if wanted && at.0 == level {
                     open.push(leaf);
                 }
-                dark
+                wanted
             });
             if open.is_empty() {
                 break;
@@ -233,10 +236,10 @@ impl Transport {
         leaves.map(|square| square.arrival).collect()
     }
 
-    /// Places in the square where there are openings that their cells have not seen.
-    fn missed(&self, origin: DVec3, map: &Map, view: &View, care: Care) -> Vec<[f64; 2]> {
+    /// Places in the square where there are openings.
+    fn places(&self, origin: DVec3, map: &Map, view: &View, care: Care) -> Vec<[f64; 2]> {
         let n = view.n;
-        let mut missed = Vec::new();
+        let mut places = Vec::new();
         // What would be seen through an opening is about the square of the openings' distance from each other, over that of their
         // distance from here.
         let known = view.bright() + DIM * map.whole();
@@ -255,14 +258,12 @@ impl Transport {
             };
             let at = [x, y].map(|at| at.clamp(0.0, 1.0 - 1e-12));
             let [i, j] = at.map(|at| (at * f64::from(n)) as u32);
-            if view.squares[(j * n + i) as usize].kind == Kind::Dark {
-                let look = self.look(&Ray { origin, direction });
-                if self.kind(look.source) != Kind::Dark {
-                    missed.push(at);
-                }
+            let is_seen = view.squares[(j * n + i) as usize].kind != Kind::Dark;
+            if is_seen || self.is_bright(self.look(&Ray { origin, direction }).source) {
+                places.push(at);
             }
         }
-        missed
+        places
     }
 
     /// Points in openings, as they are seen before a surface: where a direction is free and the next one is blocked, the free ray

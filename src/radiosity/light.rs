@@ -6,8 +6,7 @@
 //!
 //! Differs from the ReLiShaft paper's algorithm 2 as that must be read: dB_j = rho_j dB_i F_ij A_i / A_j.
 
-use super::arrival::{Arrival, Source};
-use super::patches::spread;
+use super::arrival::{Arrival, Source, spread};
 use super::transport::Transport;
 use crate::colour::luminance;
 use crate::conditions::Conditions;

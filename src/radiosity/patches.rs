@@ -1,6 +1,6 @@
 //! The patches: what of the scene's surfaces sends the same light everywhere.
 
-use super::arrival::{Source, cosine_law};
+use super::arrival::{Source, cosine_law, spread};
 use super::cells::{Face, GROUND_TRIANGLE, faces};
 use super::planes::{Home, Surfaces, corners};
 use crate::colour::Space;
@@ -55,22 +55,6 @@ pub(super) struct Spot {
     pub point: DVec3,
     pub normal: DVec3,
     triangle: u32,
-}
-
-/// Numbers of the additive sequence of the generalised golden ratio in five dimensions (Roberts 2018).
-pub(super) fn spread(index: usize, turn: u64) -> [f64; 5] {
-    const RATIO: f64 = 1.134_724_138_401_519_4;
-    let mut bits = turn;
-    let mut step = 1.0;
-    std::array::from_fn(|_| {
-        step /= RATIO;
-        // SplitMix64 (Steele, Lea & Flood 2014): every patch has its own turn of the sequence.
-        bits = bits.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        let start = ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        (start + index as f64 * step).fract()
-    })
 }
 
 impl Patches {

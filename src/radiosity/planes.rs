@@ -4,9 +4,12 @@
 //! plane. Finely tessellated things (a vase, a vault, leaves) have a plane for each triangle; where these are smaller than
 //! the patches that they would be given, patches are what lies in one cell of space and faces the same of six ways.
 
+use super::arrival::{Map, spread};
 use crate::conditions::Conditions;
+use crate::scene::Ray;
 use crate::scene::tree::Bound;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Triangles that lie in one plane.
@@ -231,11 +234,16 @@ fn clusters(
     most: usize,
     homes: &mut [Home],
 ) -> Vec<Vec<(u32, usize)>> {
+    // What lies open and what does not is not one patch: window reveals are far brighter than the wall beside them.
+    let open: Vec<[u8; 2]> = small
+        .par_iter()
+        .map(|triangle| [false, true].map(|back| openness(conditions, *triangle, back)))
+        .collect();
     let mut least = 1e-4 * conditions.geometry.extent();
     loop {
-        let mut numbers: HashMap<(i32, [i64; 3], i8, u64), u32> = HashMap::new();
+        let mut numbers: HashMap<(i32, [i64; 3], i8, u64, u8), u32> = HashMap::new();
         let mut clusters: Vec<Vec<(u32, usize)>> = Vec::new();
-        for &triangle in small {
+        for (&triangle, open) in small.iter().zip(&open) {
             let [a, b, c] = corners(conditions, triangle);
             let facet = (b - a).cross(c - a);
             let middle = (a + b + c) / 3.0;
@@ -247,8 +255,8 @@ fn clusters(
                 true => things.number_of(triangle),
                 false => -1,
             };
-            let sides = [facet, -facet].map(|facing| {
-                let key = (of, place, way(facing), cell.to_bits());
+            let sides = [(facet, open[0]), (-facet, open[1])].map(|(facing, open)| {
+                let key = (of, place, way(facing), cell.to_bits(), open);
                 *numbers.entry(key).or_insert_with(|| {
                     clusters.push(Vec::new());
                     clusters.len() as u32 - 1
@@ -263,6 +271,44 @@ fn clusters(
             return clusters;
         }
         least *= 1.5;
+    }
+}
+
+/// How one side of a triangle lies, by a few rays: inside of something, closed in, open in part, or open.
+///
+/// What is inside of something (the foot of a pillar in the floor, a vault's upper side) is dark, and would dim what it is taken
+/// together with.
+fn openness(conditions: &Conditions, triangle: u32, back: bool) -> u8 {
+    let [a, b, c] = corners(conditions, triangle);
+    let facet = (b - a).cross(c - a).normalize_or_zero();
+    let normal = if back { -facet } else { facet };
+    let map = Map::before(normal);
+    let lift = 1e-9 * conditions.geometry.extent();
+    let (mut free, mut inside) = (0, 0);
+    for k in 0..4 {
+        let [v, w, x, y, _] = spread(k, u64::from(triangle));
+        let (v, w) = if v + w > 1.0 {
+            (1.0 - v, 1.0 - w)
+        } else {
+            (v, w)
+        };
+        let ray = Ray {
+            origin: a + v * (b - a) + w * (c - a) + lift * normal,
+            direction: map.toward(x, y),
+        };
+        match conditions.geometry.closest(&ray, 0.0, f64::INFINITY) {
+            None => free += 1,
+            Some(hit) => {
+                let [a, b, c] = corners(conditions, hit.triangle);
+                inside += u8::from((b - a).cross(c - a).dot(ray.direction) > 0.0);
+            }
+        }
+    }
+    match (free, inside) {
+        (_, 3..) => 0,
+        (0, _) => 1,
+        (1 | 2, _) => 2,
+        _ => 3,
     }
 }
 
