@@ -5,11 +5,14 @@
 //! one gives way to the next, so that nothing jumps when the eye moves. Close to the eye, where the direction from the eye differs
 //! across a cell, the light that comes to the eye itself is taken, in the direction of the ray.
 
+use super::fineness::Fineness;
 use super::lattice::{Lattice, PAIRS, Place, level_of, spacing};
 use super::shards::Shards;
-use super::source::{Lit, Lobes};
+use super::source::Lobes;
+use super::sphere::{Lit, Sphere};
 use crate::conditions::Conditions;
 use crate::medium::Air;
+use crate::radiosity::arrival::Arrival;
 use crate::radiosity::light::Light;
 use crate::scene::{Projection, Ray};
 use glam::{DVec2, DVec3};
@@ -18,9 +21,6 @@ use std::sync::{Arc, OnceLock};
 
 /// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
 const SEEN: f64 = 0.3;
-
-/// No finer than this share of the widest spacing.
-const FINEST: f64 = 0.125;
 
 /// No coarser than this share of a mean free path of light.
 const OF_FREE_PATH: f64 = 0.5;
@@ -84,8 +84,11 @@ pub struct Enclosed {
     /// A cell is finer where J differs by so much between its corners, as a share of J and times the share of the distance from
     /// the eye that the cell is.
     uneven: f64,
+    /// No finer than this share of the widest spacing.
+    finest: f64,
     /// The distance from the eye within which spacings do not shrink [m].
     near: f64,
+    sphere: Sphere,
     at_eye: Vec<Lit>,
     /// What J is in the picture, roughly [cd/m2].
     typical: f64,
@@ -109,14 +112,11 @@ impl Enclosed {
         light: Arc<Light>,
         lobes: Arc<Lobes>,
         conditions: &Conditions,
-        [share, uneven]: [f64; 2],
+        fineness: Fineness,
         near: f64,
     ) -> Self {
         let eye = Eye::new(conditions);
-        let at_eye = match eye {
-            Eye::At(eye) => lit(&lattice.around(eye), &light),
-            Eye::Parallel(..) => Vec::new(),
-        };
+        let sphere = Sphere::new(&lattice, conditions.sky.as_deref());
         let mut enclosed = Enclosed {
             typical: 0.0,
             lattice,
@@ -124,13 +124,18 @@ impl Enclosed {
             lobes,
             air: conditions.air.clone(),
             eye,
-            share,
-            uneven,
+            share: fineness.spacing,
+            uneven: fineness.difference,
+            finest: fineness.finest,
             near,
-            at_eye,
+            sphere,
+            at_eye: Vec::new(),
             points: Shards::new(),
             cells: Shards::new(),
         };
+        if let Eye::At(eye) = eye {
+            enclosed.at_eye = enclosed.lit(&enclosed.lattice.around(eye));
+        }
         enclosed.typical = enclosed.glance(conditions);
         enclosed
     }
@@ -155,6 +160,11 @@ impl Enclosed {
                 .fold(0.0, |most: f64, j| most.max(j.max_element()));
         }
         sum / PLACES as f64
+    }
+
+    fn lit(&self, arrivals: &[Arrival]) -> Vec<Lit> {
+        let lit = |arrival| self.sphere.lit(arrival, &self.light);
+        arrivals.iter().map(lit).collect()
     }
 
     /// J of each kind of media at a place that the eye sees in this direction [cd/m2].
@@ -209,7 +219,7 @@ impl Enclosed {
             true => cell.difference * wide / cell.mean.max(self.typical),
             false => 0.0,
         };
-        let finer = match wide > 2.0 * FINEST * self.share {
+        let finer = match wide > 2.0 * self.finest * self.share {
             true => smooth(2.0 * (uneven / self.uneven - 1.0)),
             false => 0.0,
         };
@@ -308,7 +318,7 @@ impl Enclosed {
 
     /// J from what comes to the place itself.
     fn alone(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
-        let lit = lit(&self.lattice.around(place), &self.light);
+        let lit = self.lit(&self.lattice.around(place));
         self.lobes.source(&lit, direction)
     }
 
@@ -321,7 +331,7 @@ impl Enclosed {
                 Eye::At(eye) => (point.position() - eye).normalize_or(DVec3::NEG_Z),
                 Eye::Parallel(direction, _) => direction,
             };
-            let lit = lit(&self.lattice.arrivals(point), &self.light);
+            let lit = self.lit(&self.lattice.arrivals(point));
             self.lobes.source(&lit, direction)
         })
         .clone()
@@ -333,13 +343,6 @@ fn add(sum: &mut Vec<DVec3>, values: &[DVec3], weight: f64) {
     for (sum, value) in sum.iter_mut().zip(values) {
         *sum += weight * *value;
     }
-}
-
-fn lit(arrivals: &[crate::radiosity::arrival::Arrival], light: &Light) -> Vec<Lit> {
-    arrivals
-        .iter()
-        .map(|arrival| Lit::new(arrival, light))
-        .collect()
 }
 
 /// 0 below 0, 1 above 1, and without a kink between.

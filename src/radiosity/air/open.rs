@@ -4,7 +4,8 @@
 //! lie the denser the nearer the ground or the top of a haze is, and in directions some degrees apart, as they are needed.
 
 use super::shards::Shards;
-use super::source::{Lit, Lobes};
+use super::source::Lobes;
+use super::sphere::Lit;
 use crate::conditions::Conditions;
 use crate::medium::{Air, Shape};
 use crate::radiosity::arrival::Source;
