@@ -3,7 +3,7 @@
 //! J is found at points of the [`Lattice`] and interpolated between those of a cell that the place itself sees, so that no light
 //! comes through a wall from the cells behind it. The farther from the eye, the wider the lattice; two levels are blended where
 //! one gives way to the next, so that nothing jumps when the eye moves. Close to the eye, where the direction from the eye differs
-//! across a cell, the light that comes to the eye itself is taken, in the direction of the ray.
+//! across a cell, what is interpolated is by how much J differs from what the light at the eye itself gives in that direction.
 
 use super::fineness::Fineness;
 use super::lattice::{Lattice, PAIRS, Place, level_of, spacing};
@@ -99,9 +99,9 @@ pub struct Enclosed {
 /// A cell of the lattice.
 struct Cell {
     pairs: u16,
-    /// J at the corners, kind by kind, where it was asked for.
+    /// The rest of J at the corners, kind by kind, where it was asked for.
     corners: [OnceLock<Vec<DVec3>>; 8],
-    /// The greatest difference of J between corners that see each other, and its mean over those.
+    /// The greatest difference of it between corners that see each other, and its mean over those.
     difference: f64,
     mean: f64,
 }
@@ -154,7 +154,8 @@ impl Enclosed {
                 .ray(DVec2::new(width * at[0], height * at[1]));
             let hit = conditions.geometry.closest(&ray, 0.0, f64::INFINITY);
             let end = hit.map_or(4.0 * self.near, |hit| hit.distance);
-            let found = self.alone(ray.at(at[2] * end), ray.direction);
+            let lit = self.lit(&self.lattice.around(ray.at(at[2] * end)));
+            let found = self.lobes.source(&lit, ray.direction);
             sum += found
                 .iter()
                 .fold(0.0, |most: f64, j| most.max(j.max_element()));
@@ -169,6 +170,24 @@ impl Enclosed {
 
     /// J of each kind of media at a place that the eye sees in this direction [cd/m2].
     pub fn source(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let [_, reach, widest] = self.scale(place);
+        let mut sum = self.of_eye(place, direction);
+        let level = level_of(widest);
+        let coarser = smooth(2.0 * (level - level.floor()) - 1.0);
+        for (level, part) in [
+            (level.floor(), 1.0 - coarser),
+            (level.floor() + 1.0, coarser),
+        ] {
+            if part > 0.0 {
+                self.add_level(place, direction, level as i32, [reach, part], &mut sum);
+            }
+        }
+        sum.iter_mut().for_each(|j| *j = j.max(DVec3::ZERO));
+        sum
+    }
+
+    /// The distance of a place from the eye, that of which spacings are a share, and the widest spacing there [m].
+    fn scale(&self, place: DVec3) -> [f64; 3] {
         let (distance, reach) = match self.eye {
             Eye::At(eye) => {
                 let distance = place.distance(eye);
@@ -178,31 +197,31 @@ impl Enclosed {
         };
         let widest = self.share * reach;
         let free = OF_FREE_PATH / self.air.extinction_at(place).max_element();
-        let widest = free.clamp(0.25 * widest, widest);
-        let eyes = 1.0 - smooth((distance / widest - 1.0) / 1.5);
-        let mut sum = match eyes > 0.0 {
-            true => self.lobes.source(&self.at_eye, direction),
-            false => Vec::new(),
-        };
-        if eyes >= 1.0 {
-            return sum;
-        }
-        sum.iter_mut().for_each(|j| *j *= eyes);
-        let level = level_of(widest);
-        let coarser = smooth(2.0 * (level - level.floor()) - 1.0);
-        for (level, part) in [
-            (level.floor(), 1.0 - coarser),
-            (level.floor() + 1.0, coarser),
-        ] {
-            if part > 0.0 {
-                let part = part * (1.0 - eyes);
-                self.add_level(place, direction, level as i32, [reach, part], &mut sum);
-            }
-        }
-        sum
+        [distance, reach, free.clamp(0.25 * widest, widest)]
     }
 
-    /// Adds J from a level of the lattice, or from finer ones where it is uneven.
+    /// What the light at the eye gives for J at a place, fading with the distance.
+    fn of_eye(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let [distance, _, widest] = self.scale(place);
+        let part = 1.0 - smooth((distance / widest - 1.0) / 1.5);
+        if part <= 0.0 {
+            return Vec::new();
+        }
+        let mut source = self.lobes.source(&self.at_eye, direction);
+        source.iter_mut().for_each(|j| *j *= part);
+        source
+    }
+
+    /// By how much J at a place differs from [`Self::of_eye`].
+    fn rest(&self, arrivals: &[Arrival], place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let mut rest = self.lobes.source(&self.lit(arrivals), direction);
+        for (rest, eye) in rest.iter_mut().zip(self.of_eye(place, direction)) {
+            *rest -= eye;
+        }
+        rest
+    }
+
+    /// Adds the rest of J from a level of the lattice, or from finer ones where it is uneven.
     fn add_level(
         &self,
         place: DVec3,
@@ -260,7 +279,7 @@ impl Enclosed {
         }
     }
 
-    /// Adds J from the corners of a cell that the place sees.
+    /// Adds the rest of J from the corners of a cell that the place sees.
     fn add_cell(
         &self,
         place: DVec3,
@@ -298,7 +317,7 @@ impl Enclosed {
         }
     }
 
-    /// J from the points of the lattice within two spacings of a place that it sees.
+    /// The rest of J from the points of the lattice within two spacings of a place that it sees.
     fn from_wider(&self, place: DVec3, cell: Place, at: DVec3) -> Option<Vec<DVec3>> {
         let mut sum = Vec::new();
         let mut seen = 0.0;
@@ -316,23 +335,22 @@ impl Enclosed {
         (seen > 0.0).then_some(sum)
     }
 
-    /// J from what comes to the place itself.
+    /// The rest by what comes to the place itself.
     fn alone(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
-        let lit = self.lit(&self.lattice.around(place));
-        self.lobes.source(&lit, direction)
+        self.rest(&self.lattice.around(place), place, direction)
     }
 
-    /// J at a point of the lattice.
+    /// The rest at a point of the lattice.
     fn at_point(&self, point: Place) -> Vec<DVec3> {
         let point = point.coarsest();
         let slot = self.points.place(point);
         slot.get_or_init(|| {
+            let position = point.position();
             let direction = match self.eye {
-                Eye::At(eye) => (point.position() - eye).normalize_or(DVec3::NEG_Z),
+                Eye::At(eye) => (position - eye).normalize_or(DVec3::NEG_Z),
                 Eye::Parallel(direction, _) => direction,
             };
-            let lit = self.lit(&self.lattice.arrivals(point));
-            self.lobes.source(&lit, direction)
+            self.rest(&self.lattice.arrivals(point), position, direction)
         })
         .clone()
     }
