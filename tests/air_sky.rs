@@ -44,7 +44,11 @@ fn view(triangles: &[Corners], media: Vec<Medium>, camera: Camera) -> Conditions
 }
 
 fn light(conditions: &Conditions) -> Vec<f64> {
-    let found = air_light(conditions, Quality::Preview, &[("rays", 1024.0)]);
+    let found = air_light(
+        conditions,
+        Quality::Preview,
+        &[("rays", 1024.0), ("outline", 0.02)],
+    );
     found.iter().map(|v| v.x).collect()
 }
 
@@ -312,7 +316,8 @@ fn the_clear_air_before_far_ground_has_the_light_of_the_sky_and_the_ground() {
     let found = air_light(&conditions, Quality::Preview, &[]);
     let sky = conditions.sky.as_ref().unwrap();
     let ground = conditions.ground.unwrap();
-    let below = ground.albedo / PI * sky.horizontal_illuminance();
+    let sun = conditions.sun.light.illuminance * conditions.sun.toward.y;
+    let below = ground.albedo / PI * (sky.horizontal_illuminance() + sun);
     let mut compared = 0;
     for (row, found) in found.iter().enumerate() {
         let ray = conditions.view.ray(DVec2::new(0.5, row as f64 + 0.5));

@@ -47,15 +47,21 @@ pub const AIR_SKY: Effect = Effect {
             range: [1e-4, 1.0],
         },
         Knob {
+            name: "finest",
+            meaning: "least distance of such finer places, as a share of the spacing of all",
+            values: [1.0, 0.5, 0.25, 0.125],
+            range: [1.0 / 1024.0, 1.0],
+        },
+        Knob {
             name: "rays",
             meaning: "rays from each of these places, before outlines are refined",
-            values: [64.0, 100.0, 400.0, 2304.0],
+            values: [64.0, 64.0, 400.0, 2304.0],
             range: [16.0, 65536.0],
         },
         Knob {
             name: "outline",
             meaning: "share of the light of such a place that may be uncertain at outlines",
-            values: [0.2, 0.1, 0.02, 0.005],
+            values: [0.3, 0.2, 0.02, 0.005],
             range: [1e-5, 1.0],
         },
     ],
@@ -122,6 +128,7 @@ fn air_light(
         columns: settings.get("columns"),
         spacing: settings.get("spacing"),
         difference: settings.get("difference"),
+        finest: settings.get("finest"),
     };
     Some(kept.get(&PICTURE, conditions, settings, || {
         AirLight::new(conditions, lattice, light, fineness)

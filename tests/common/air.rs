@@ -11,7 +11,13 @@ use tyndall::sky::{Model, Sky, SunAt};
 
 /// The effects that the air's light from sky and surfaces needs.
 pub fn effects() -> Vec<&'static Effect> {
-    let named = |effect: &&&Effect| ["visibility", "air_sky"].contains(&effect.name);
+    effects_with(&[])
+}
+
+fn effects_with(others: &[&str]) -> Vec<&'static Effect> {
+    let named = |effect: &&&Effect| {
+        ["visibility", "air_sky"].contains(&effect.name) || others.contains(&effect.name)
+    };
     ALL.iter().filter(named).copied().collect()
 }
 
@@ -27,6 +33,16 @@ pub const UNIFORM: Model = Model::Uniform { luminance: 1000.0 };
 
 /// The layer of the air's light from sky and surfaces, with knobs of the effect set.
 pub fn air_light(conditions: &Conditions, quality: Quality, set: &[(&str, f64)]) -> Vec<DVec3> {
+    air_light_after(&[], conditions, quality, set)
+}
+
+/// The same after other effects: of `radiosity` it takes who sees whom and how bright surfaces are.
+pub fn air_light_after(
+    others: &[&str],
+    conditions: &Conditions,
+    quality: Quality,
+    set: &[(&str, f64)],
+) -> Vec<DVec3> {
     let overrules = Overrules {
         quality,
         set: set
@@ -35,7 +51,8 @@ pub fn air_light(conditions: &Conditions, quality: Quality, set: &[(&str, f64)])
             .collect(),
         ..Overrules::default()
     };
-    let plan = Plan::with(conditions, &overrules, &effects()).expect("the plan is sound");
+    let plan =
+        Plan::with(conditions, &overrules, &effects_with(others)).expect("the plan is sound");
     let rendered = Reference::new(&plan)
         .render(&Limits::memory(1 << 30), &|_| {})
         .expect("the picture fits into memory");

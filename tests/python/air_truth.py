@@ -118,7 +118,9 @@ def incoming(origin, direction, sampler):
         normal = dr.normalize(dr.cross(vertex(1) - a, vertex(2) - a))
         normal = dr.select(dr.dot(normal, direction) > 0, -normal, normal)
         origin = origin + distance * direction + 1e-4 * normal
-        direction = dr.normalize(normal + on_sphere(sampler.next_1d(), sampler.next_1d()))
+        # A hair less than 1 keeps the sum off zero.
+        around = 0.999999 * on_sphere(sampler.next_1d(), sampler.next_1d())
+        direction = dr.normalize(normal + around)
         dr.eval(origin, direction, weight, found)
     return found
 

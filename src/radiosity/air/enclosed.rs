@@ -3,12 +3,15 @@
 //! J is found at points of the [`Lattice`] and interpolated between those of a cell that the place itself sees, so that no light
 //! comes through a wall from the cells behind it. The farther from the eye, the wider the lattice; two levels are blended where
 //! one gives way to the next, so that nothing jumps when the eye moves. Close to the eye, where the direction from the eye differs
-//! across a cell, the light that comes to the eye itself is taken, in the direction of the ray.
+//! across a cell, what is interpolated is by how much J differs from what the light at the eye itself gives in that direction.
 
+use super::fineness::Fineness;
 use super::lattice::{Lattice, PAIRS, Place, level_of, spacing};
-use super::source::{Lit, Lobes};
+use super::source::Lobes;
+use super::sphere::{Lit, Sphere};
 use crate::conditions::Conditions;
 use crate::medium::Air;
+use crate::radiosity::arrival::Arrival;
 use crate::radiosity::light::Light;
 use crate::radiosity::shards::Shards;
 use crate::scene::{Projection, Ray};
@@ -18,9 +21,6 @@ use std::sync::{Arc, OnceLock};
 
 /// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
 const SEEN: f64 = 0.3;
-
-/// No finer than this share of the widest spacing.
-const FINEST: f64 = 0.125;
 
 /// No coarser than this share of a mean free path of light.
 const OF_FREE_PATH: f64 = 0.5;
@@ -84,8 +84,11 @@ pub struct Enclosed {
     /// A cell is finer where J differs by so much between its corners, as a share of J and times the share of the distance from
     /// the eye that the cell is.
     uneven: f64,
+    /// No finer than this share of the widest spacing.
+    finest: f64,
     /// The distance from the eye within which spacings do not shrink [m].
     near: f64,
+    sphere: Sphere,
     at_eye: Vec<Lit>,
     /// What J is in the picture, roughly [cd/m2].
     typical: f64,
@@ -96,9 +99,9 @@ pub struct Enclosed {
 /// A cell of the lattice.
 struct Cell {
     pairs: u16,
-    /// J at the corners, kind by kind, where it was asked for.
+    /// The rest of J at the corners, kind by kind, where it was asked for.
     corners: [OnceLock<Vec<DVec3>>; 8],
-    /// The greatest difference of J between corners that see each other, and its mean over those.
+    /// The greatest difference of it between corners that see each other, and its mean over those.
     difference: f64,
     mean: f64,
 }
@@ -109,14 +112,11 @@ impl Enclosed {
         light: Arc<Light>,
         lobes: Arc<Lobes>,
         conditions: &Conditions,
-        [share, uneven]: [f64; 2],
+        fineness: Fineness,
         near: f64,
     ) -> Self {
         let eye = Eye::new(conditions);
-        let at_eye = match eye {
-            Eye::At(eye) => lit(&lattice.around(eye), &light),
-            Eye::Parallel(..) => Vec::new(),
-        };
+        let sphere = Sphere::new(&lattice, conditions.sky.as_deref());
         let mut enclosed = Enclosed {
             typical: 0.0,
             lattice,
@@ -124,13 +124,18 @@ impl Enclosed {
             lobes,
             air: conditions.air.clone(),
             eye,
-            share,
-            uneven,
+            share: fineness.spacing,
+            uneven: fineness.difference,
+            finest: fineness.finest,
             near,
-            at_eye,
+            sphere,
+            at_eye: Vec::new(),
             points: Shards::new(),
             cells: Shards::new(),
         };
+        if let Eye::At(eye) = eye {
+            enclosed.at_eye = enclosed.lit(&enclosed.lattice.around(eye));
+        }
         enclosed.typical = enclosed.glance(conditions);
         enclosed
     }
@@ -149,7 +154,8 @@ impl Enclosed {
                 .ray(DVec2::new(width * at[0], height * at[1]));
             let hit = conditions.geometry.closest(&ray, 0.0, f64::INFINITY);
             let end = hit.map_or(4.0 * self.near, |hit| hit.distance);
-            let found = self.alone(ray.at(at[2] * end), ray.direction);
+            let lit = self.lit(&self.lattice.around(ray.at(at[2] * end)));
+            let found = self.lobes.source(&lit, ray.direction);
             sum += found
                 .iter()
                 .fold(0.0, |most: f64, j| most.max(j.max_element()));
@@ -157,8 +163,31 @@ impl Enclosed {
         sum / PLACES as f64
     }
 
+    fn lit(&self, arrivals: &[Arrival]) -> Vec<Lit> {
+        let lit = |arrival| self.sphere.lit(arrival, &self.light);
+        arrivals.iter().map(lit).collect()
+    }
+
     /// J of each kind of media at a place that the eye sees in this direction [cd/m2].
     pub fn source(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let [_, reach, widest] = self.scale(place);
+        let mut sum = self.of_eye(place, direction);
+        let level = level_of(widest);
+        let coarser = smooth(2.0 * (level - level.floor()) - 1.0);
+        for (level, part) in [
+            (level.floor(), 1.0 - coarser),
+            (level.floor() + 1.0, coarser),
+        ] {
+            if part > 0.0 {
+                self.add_level(place, direction, level as i32, [reach, part], &mut sum);
+            }
+        }
+        sum.iter_mut().for_each(|j| *j = j.max(DVec3::ZERO));
+        sum
+    }
+
+    /// The distance of a place from the eye, that of which spacings are a share, and the widest spacing there [m].
+    fn scale(&self, place: DVec3) -> [f64; 3] {
         let (distance, reach) = match self.eye {
             Eye::At(eye) => {
                 let distance = place.distance(eye);
@@ -168,31 +197,31 @@ impl Enclosed {
         };
         let widest = self.share * reach;
         let free = OF_FREE_PATH / self.air.extinction_at(place).max_element();
-        let widest = free.clamp(0.25 * widest, widest);
-        let eyes = 1.0 - smooth((distance / widest - 1.0) / 1.5);
-        let mut sum = match eyes > 0.0 {
-            true => self.lobes.source(&self.at_eye, direction),
-            false => Vec::new(),
-        };
-        if eyes >= 1.0 {
-            return sum;
-        }
-        sum.iter_mut().for_each(|j| *j *= eyes);
-        let level = level_of(widest);
-        let coarser = smooth(2.0 * (level - level.floor()) - 1.0);
-        for (level, part) in [
-            (level.floor(), 1.0 - coarser),
-            (level.floor() + 1.0, coarser),
-        ] {
-            if part > 0.0 {
-                let part = part * (1.0 - eyes);
-                self.add_level(place, direction, level as i32, [reach, part], &mut sum);
-            }
-        }
-        sum
+        [distance, reach, free.clamp(0.25 * widest, widest)]
     }
 
-    /// Adds J from a level of the lattice, or from finer ones where it is uneven.
+    /// What the light at the eye gives for J at a place, fading with the distance.
+    fn of_eye(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let [distance, _, widest] = self.scale(place);
+        let part = 1.0 - smooth((distance / widest - 1.0) / 1.5);
+        if part <= 0.0 {
+            return Vec::new();
+        }
+        let mut source = self.lobes.source(&self.at_eye, direction);
+        source.iter_mut().for_each(|j| *j *= part);
+        source
+    }
+
+    /// By how much J at a place differs from [`Self::of_eye`].
+    fn rest(&self, arrivals: &[Arrival], place: DVec3, direction: DVec3) -> Vec<DVec3> {
+        let mut rest = self.lobes.source(&self.lit(arrivals), direction);
+        for (rest, eye) in rest.iter_mut().zip(self.of_eye(place, direction)) {
+            *rest -= eye;
+        }
+        rest
+    }
+
+    /// Adds the rest of J from a level of the lattice, or from finer ones where it is uneven.
     fn add_level(
         &self,
         place: DVec3,
@@ -209,7 +238,7 @@ impl Enclosed {
             true => cell.difference * wide / cell.mean.max(self.typical),
             false => 0.0,
         };
-        let finer = match wide > 2.0 * FINEST * self.share {
+        let finer = match wide > 2.0 * self.finest * self.share {
             true => smooth(2.0 * (uneven / self.uneven - 1.0)),
             false => 0.0,
         };
@@ -250,7 +279,7 @@ impl Enclosed {
         }
     }
 
-    /// Adds J from the corners of a cell that the place sees.
+    /// Adds the rest of J from the corners of a cell that the place sees.
     fn add_cell(
         &self,
         place: DVec3,
@@ -288,7 +317,7 @@ impl Enclosed {
         }
     }
 
-    /// J from the points of the lattice within two spacings of a place that it sees.
+    /// The rest of J from the points of the lattice within two spacings of a place that it sees.
     fn from_wider(&self, place: DVec3, cell: Place, at: DVec3) -> Option<Vec<DVec3>> {
         let mut sum = Vec::new();
         let mut seen = 0.0;
@@ -306,23 +335,22 @@ impl Enclosed {
         (seen > 0.0).then_some(sum)
     }
 
-    /// J from what comes to the place itself.
+    /// The rest by what comes to the place itself.
     fn alone(&self, place: DVec3, direction: DVec3) -> Vec<DVec3> {
-        let lit = lit(&self.lattice.around(place), &self.light);
-        self.lobes.source(&lit, direction)
+        self.rest(&self.lattice.around(place), place, direction)
     }
 
-    /// J at a point of the lattice.
+    /// The rest at a point of the lattice.
     fn at_point(&self, point: Place) -> Vec<DVec3> {
         let point = point.coarsest();
         let slot = self.points.place(point);
         slot.get_or_init(|| {
+            let position = point.position();
             let direction = match self.eye {
-                Eye::At(eye) => (point.position() - eye).normalize_or(DVec3::NEG_Z),
+                Eye::At(eye) => (position - eye).normalize_or(DVec3::NEG_Z),
                 Eye::Parallel(direction, _) => direction,
             };
-            let lit = lit(&self.lattice.arrivals(point), &self.light);
-            self.lobes.source(&lit, direction)
+            self.rest(&self.lattice.arrivals(point), position, direction)
         })
         .clone()
     }
@@ -333,13 +361,6 @@ fn add(sum: &mut Vec<DVec3>, values: &[DVec3], weight: f64) {
     for (sum, value) in sum.iter_mut().zip(values) {
         *sum += weight * *value;
     }
-}
-
-fn lit(arrivals: &[crate::radiosity::arrival::Arrival], light: &Light) -> Vec<Lit> {
-    arrivals
-        .iter()
-        .map(|arrival| Lit::new(arrival, light))
-        .collect()
 }
 
 /// 0 below 0, 1 above 1, and without a kink between.

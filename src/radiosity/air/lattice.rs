@@ -1,7 +1,8 @@
 //! Places of the air that stand still in the world, and what comes to them from all sides.
 //!
-//! For each level there is a cubic lattice, of twice the spacing of the one below, which has all its points. Its points do not move with the eye, so that
-//! pictures from neighbouring places agree; they are made when they are first needed, and what comes to them is kept.
+//! For each level there is a cubic lattice, of twice the spacing of the one below, which has all its points. Its points do not move
+//! with the eye, so that pictures from neighbouring places agree; they are made when they are first needed, and what comes to them
+//! is kept.
 
 use crate::radiosity::Care;
 use crate::radiosity::arrival::Arrival;
@@ -132,6 +133,11 @@ impl Lattice {
             pairs: Shards::new(),
             bytes: AtomicUsize::new(0),
         }
+    }
+
+    /// Cells along each side of the grid of directions in which points look around, before outlines are refined.
+    pub fn side(&self) -> u32 {
+        (self.care.rays as f64).sqrt().round().max(2.0) as u32
     }
 
     /// What comes to any point from all sides.

@@ -9,7 +9,9 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | `fineness` | how finely it is found |
 //! | `lobe` | phase functions averaged over what one arrival stands for |
+//! | `sphere` | the light of what comes from each cell of the sphere |
 //! | `source` | J from what comes in |
 //! | `lattice` | places that stand still in the world, and what comes to them |
 //! | `enclosed` | J near the scene, interpolated on the lattice between places that see each other |
@@ -24,13 +26,16 @@
 mod around;
 mod column;
 mod enclosed;
+mod fineness;
 mod knots;
 mod lattice;
 mod lobe;
 mod open;
 mod picture;
 mod source;
+mod sphere;
 
+pub use fineness::Fineness;
 pub use lattice::Lattice;
 
 use super::light::Light;
@@ -45,18 +50,6 @@ use open::OpenAir;
 use picture::Picture;
 use source::Lobes;
 use std::sync::Arc;
-
-/// How finely the air's light is found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fineness {
-    /// Distance of eye rays on which J is found [pixels]; less in small pictures.
-    pub columns: f64,
-    /// Distance of places along them, and of those of the lattice, as a share of the distance from the eye.
-    pub spacing: f64,
-    /// A difference of J, as a share of it and times the part of the way from the eye on which it is, that is still found on
-    /// finer places.
-    pub difference: f64,
-}
 
 /// The air's light in the picture of one view, at a moment.
 pub struct AirLight {
@@ -93,14 +86,7 @@ impl AirLight {
             Eye::Parallel(_, height) => Knots::new(step, 0.5 * height, 0.0),
         };
         let open = OpenAir::new(conditions, &light, lobes.clone());
-        let enclosed = Enclosed::new(
-            lattice,
-            light,
-            lobes,
-            conditions,
-            [fineness.spacing, fineness.difference],
-            near,
-        );
+        let enclosed = Enclosed::new(lattice, light, lobes, conditions, fineness, near);
         let around = Around::new(conditions, enclosed, open);
         AirLight {
             picture: Picture::new(conditions, around, kinds, knots, fineness.columns),

@@ -3,7 +3,8 @@
 //! Light comes from the whole sky above and from the open ground below, through all media but boxes. J is found at heights that
 //! lie the denser the nearer the ground or the top of a haze is, and in directions some degrees apart, as they are needed.
 
-use super::source::{Lit, Lobes};
+use super::source::Lobes;
+use super::sphere::Lit;
 use crate::conditions::Conditions;
 use crate::medium::{Air, Shape};
 use crate::radiosity::arrival::Source;

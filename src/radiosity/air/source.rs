@@ -1,32 +1,9 @@
 //! What the air at a place scatters toward the eye of the light that comes to it from all sides.
 
 use super::lobe::Lobe;
+use super::sphere::Lit;
 use crate::medium::Kind;
-use crate::radiosity::arrival::Arrival;
-use crate::radiosity::light::Light;
-use glam::{DVec3, Vec3};
-
-/// Light from around one direction at a moment.
-#[derive(Debug, Clone, Copy)]
-pub struct Lit {
-    /// Unit vector toward where it comes from.
-    pub toward: Vec3,
-    /// The solid angle that it stands for [sr].
-    pub share: f32,
-    /// Solid angle times radiance [lx, RGB].
-    pub light: Vec3,
-}
-
-impl Lit {
-    /// The light of an arrival.
-    pub fn new(arrival: &Arrival, light: &Light) -> Self {
-        Lit {
-            toward: arrival.toward,
-            share: arrival.share,
-            light: light.of(arrival).as_vec3(),
-        }
-    }
-}
+use glam::DVec3;
 
 /// The phase functions of the kinds of media.
 pub struct Lobes(Vec<Lobe>);
