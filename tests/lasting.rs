@@ -380,11 +380,11 @@ fn what_other_conditions_make_stale_is_made_again() {
         let media = |c: &mut Conditions| c.air.media[0].absorption *= 20.0;
         let dark = |scene: &mut Scene| scene.materials[0].base_color *= 0.3;
         let others: [(&str, Conditions, Settings); 8] = [
-            ("more rays", first.clone(), &[("surface_sky.rays", 256.0)]),
+            ("more rays", first.clone(), &[("radiosity.rays", 256.0)]),
             (
-                "a finer lattice",
+                "finer lattices",
                 first.clone(),
-                &[("surface_sky.spacing", 0.01)],
+                &[("radiosity.bend", 0.005)],
             ),
             ("a white ground", with(&ground), &[]),
             ("another sky", with(&sky), &[]),

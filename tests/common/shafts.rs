@@ -25,7 +25,7 @@ pub fn plan<'c>(
         quality,
         method: Some(method),
         set: set.iter().map(|(knob, v)| (knob.to_string(), *v)).collect(),
-        without: ["surface_sun", "surface_sky", "sky_dome", "sun_disc"]
+        without: ["surface_sun", "radiosity", "air_sky", "sky_dome", "sun_disc"]
             .map(str::to_owned)
             .to_vec(),
         ..Overrules::default()
