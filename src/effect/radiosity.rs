@@ -30,13 +30,13 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "rays",
             meaning: "rays from a place, before outlines are refined",
-            values: [64.0, 144.0, 400.0, 4096.0],
+            values: [64.0, 100.0, 400.0, 4096.0],
             range: [4.0, 65536.0],
         },
         Knob {
             name: "outline",
             meaning: "share of a place's light that may be uncertain at outlines",
-            values: [0.1, 0.04, 0.005, 0.001],
+            values: [0.2, 0.08, 0.005, 0.001],
             range: [1e-5, 1.0],
         },
         Knob {
@@ -66,7 +66,7 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "bend",
             meaning: "share of light by which the middle between points may be off what they say",
-            values: [0.15, 0.06, 0.02, 0.01],
+            values: [0.3, 0.15, 0.04, 0.01],
             range: [1e-4, 10.0],
         },
         Knob {

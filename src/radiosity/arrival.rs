@@ -29,6 +29,31 @@ pub struct Arrival {
     pub source: Source,
 }
 
+/// How closely a place is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Care {
+    /// Rays before outlines are refined.
+    pub rays: usize,
+    /// The share of light that may be uncertain for want of finer outlines [1].
+    pub outline: f64,
+}
+
+/// What a place sees of each source: its share, and the share of light that comes through.
+pub(super) type Row = Vec<(Source, f32, Vec3)>;
+
+/// Sums what is of one source.
+pub(super) fn merge(row: &mut Row) {
+    row.sort_unstable_by_key(|(source, ..)| *source);
+    row.dedup_by(|next, sum| {
+        let same = next.0 == sum.0;
+        if same {
+            sum.1 += next.1;
+            sum.2 += next.2;
+        }
+        same
+    });
+}
+
 /// A map of the unit square to directions, equal areas for equal weights.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Map {

@@ -31,7 +31,6 @@ enum Node {
 
 /// A square of a face.
 pub(super) struct Cell {
-    pub low: DVec2,
     pub side: f64,
     /// Lines along which it is cut: a unit normal in the plane, and how far the line is from the origin.
     pub cuts: Vec<(DVec2, f64)>,
@@ -67,6 +66,27 @@ impl Cell {
             .iter()
             .find(|part| part.code == code)
             .or_else(|| self.parts.iter().max_by(|a, b| a.area.total_cmp(&b.area)))
+    }
+}
+
+impl Part {
+    /// Counts what lies upon each other once (a carpet in the floor's plane): the area is that of the union, by points.
+    fn count_once(&mut self) {
+        let size = self.high - self.low;
+        if self.pieces.len() < 2 || self.area <= 1.0001 * size.x * size.y {
+            return;
+        }
+        let (mut there, mut times) = (0, 0);
+        for k in 0..1024 {
+            let at = DVec2::new(f64::from(k % 32) + 0.5, f64::from(k / 32) + 0.5) / 32.0;
+            let at = self.low + at * size;
+            let count = self.pieces.iter().filter(|(_, p)| holds(p, at)).count();
+            there += usize::from(count > 0);
+            times += count;
+        }
+        if times > 0 {
+            self.area *= there as f64 / times as f64;
+        }
     }
 }
 
@@ -292,12 +312,18 @@ fn wants_quarters(face: &Face, surfaces: &Surfaces, square: &Open, share: f64) -
     if own {
         return true;
     }
-    let (low, high) = around(&square.pieces);
+    let (mut low, mut high) = around(&square.pieces);
     let plane = &face.plane;
     let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut reach = square.side;
+    if square.pieces.iter().any(|(t, _)| *t == GROUND_TRIANGLE) {
+        // What stands high above the ground shades it far away.
+        reach *= 2.0;
+        (low, high) = (low - 0.5 * reach, high + 0.5 * reach);
+    }
     for x in [low.x, high.x] {
         for y in [low.y, high.y] {
-            for height in [0.0, square.side] {
+            for height in [0.0, reach] {
                 let p = plane.point(DVec2::new(x, y)) + height * plane.normal;
                 bounds = (bounds.0.min(p), bounds.1.max(p));
             }
@@ -367,8 +393,8 @@ fn keep(
     if parts.is_empty() {
         return None;
     }
+    parts.iter_mut().for_each(Part::count_once);
     let cell = Cell {
-        low: square.low,
         side: square.side,
         cuts,
         parts,

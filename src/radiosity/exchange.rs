@@ -4,9 +4,8 @@
 //! area from which the rays came, the mean A_i A_j (F_ij + F_ji) / (A_i + A_j). Then all pairs are scaled until each patch sends
 //! exactly what it has (the rows of a closed room sum to 1).
 
-use super::arrival::Source;
+use super::arrival::{Row, Source};
 use super::patches::Patches;
-use super::transport::Row;
 use glam::{DVec3, Vec3};
 
 /// What all patches exchange with each other and receive from outside.

@@ -6,23 +6,15 @@
 //! everywhere let what is found change smoothly from place to place; each lies elsewhere in its cell, since an outline that runs along
 //! the cells' borders would be off by the same in all of them.
 
-use super::arrival::{Arrival, Map, Source};
+use super::arrival::{Arrival, Care, Map, Source};
 use super::patches::spread;
 use super::transport::{Look, Transport};
 use crate::scene::Ray;
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// How often a cell may be quartered, and one in which an opening is known to be.
 const LEVELS: [u32; 2] = [4, 9];
-
-/// How closely a place is looked at.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Care {
-    /// Rays before outlines are refined.
-    pub rays: usize,
-    /// The share of light that may be uncertain for want of finer outlines [1].
-    pub outline: f64,
-}
 
 /// The least share of a place's light that is worth a finer outline [1].
 const DIM: f64 = 0.004;
@@ -190,7 +182,7 @@ impl Transport {
             squares: (0..n * n).map(|k| see(0, k % n, k / n)).collect(),
         };
         view.is_edge = matches!(map, Map::Cosine(_)) && view.bright() < 0.5;
-        let mut missed = self.missed(origin, map, &view);
+        let mut missed = self.missed(origin, map, &view, care);
         for level in 0..LEVELS[1] {
             let mut open: Vec<u32> = match level < LEVELS[0] {
                 true => view.outline(level),
@@ -242,11 +234,19 @@ impl Transport {
     }
 
     /// Places in the square where there are openings that their cells have not seen.
-    fn missed(&self, origin: DVec3, map: &Map, view: &View) -> Vec<[f64; 2]> {
+    fn missed(&self, origin: DVec3, map: &Map, view: &View, care: Care) -> Vec<[f64; 2]> {
         let n = view.n;
         let mut missed = Vec::new();
+        // What would be seen through an opening is about the square of the openings' distance from each other, over that of their
+        // distance from here.
+        let known = view.bright() + DIM * map.whole();
+        let least = (0.05 * care.outline * known / map.whole() * PI).max(f64::MIN_POSITIVE);
+        let farthest = self.openings.size / least.sqrt();
         for opening in self.openings.all() {
             let way = *opening - origin;
+            if way.length() > farthest {
+                continue;
+            }
             let Some(direction) = way.try_normalize() else {
                 continue;
             };

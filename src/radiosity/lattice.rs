@@ -5,68 +5,20 @@
 //! at when a picture needs them, and what they have seen serves other moments too. Small and bent triangles have their corners'
 //! light.
 
-use super::arrival::Source;
+use super::arrival::{Arrival, Row, Source, merge};
 use super::cells::{Face, Part};
 use super::light::Light;
 use super::planes::{Home, corners};
-use super::transport::{Row, Transport, merge};
+use super::points::Point;
+use super::shards::Shards;
+use super::transport::Transport;
 use crate::colour::luminance;
 use glam::{DVec2, DVec3};
-use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::hash::{BuildHasher, Hash, RandomState};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
 
 /// What a place receives straight from the sky, and from surfaces [lx, RGB].
 pub type Received = [DVec3; 2];
-
-/// A map for many threads, in parts that are locked one by one.
-pub(super) struct Shards<K, V> {
-    shards: Vec<Mutex<HashMap<K, Arc<OnceLock<V>>>>>,
-    hasher: RandomState,
-}
-
-impl<K: Hash + Eq, V> Default for Shards<K, V> {
-    fn default() -> Self {
-        Shards {
-            shards: std::iter::repeat_with(Mutex::default).take(64).collect(),
-            hasher: RandomState::new(),
-        }
-    }
-}
-
-impl<K: Hash + Eq, V> Shards<K, V> {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        let lock = |shard: &Mutex<HashMap<K, _>>| {
-            shard.lock().unwrap_or_else(PoisonError::into_inner).len()
-        };
-        self.shards.iter().map(lock).sum()
-    }
-
-    /// The place of a key, made if need be.
-    pub fn at(&self, key: K) -> Arc<OnceLock<V>> {
-        let shard = self.hasher.hash_one(&key) as usize % self.shards.len();
-        let mut map = self.shards[shard]
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        map.entry(key).or_default().clone()
-    }
-}
-
-/// A point of the lattices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Point {
-    /// On a face, at coordinates in units of a millionth of its side.
-    Face(u32, i64, i64),
-    /// A vertex with a normal of its own, and on which side.
-    Vertex(u32, bool),
-    /// A corner of a triangle without one, and on which side.
-    Corner(u32, u8, bool),
-}
-
-/// What points of the lattices have seen, for any moment.
-pub(super) type Seen = Shards<Point, Row>;
 
 /// The light of a moment on surfaces.
 pub struct Lattice {
@@ -100,7 +52,7 @@ impl Lattice {
             parts: std::iter::repeat_with(OnceLock::new)
                 .take(transport.patches.all.len())
                 .collect(),
-            bent: Shards::default(),
+            bent: Shards::new(),
             open_ground: light.on_open_ground(),
             tolerance,
         }
@@ -127,7 +79,7 @@ impl Lattice {
                 return received;
             }
         }
-        let place = self.bent.at((triangle, front));
+        let place = self.bent.place((triangle, front));
         let corners = place.get_or_init(|| {
             [0, 1, 2].map(|corner| light.given_by(&transport.at_corner(triangle, corner, front)))
         });
@@ -262,7 +214,7 @@ impl Look<'_> {
             (at.x * unit).round() as i64,
             (at.y * unit).round() as i64,
         );
-        let seen = self.transport.seen.at(key);
+        let seen = self.transport.seen.place(key);
         let row = seen.get_or_init(|| {
             let normal = self.of.plane.normal;
             self.transport.row(self.of.plane.point(at), normal, normal)
@@ -325,9 +277,8 @@ fn nearest_on(polygon: &[DVec2], at: DVec2) -> DVec2 {
 impl Transport {
     /// What a surface sees from a point, by source.
     fn row(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Row {
-        super::transport::SEEN.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let arrivals = self.before(point, normal, facet);
-        let entry = |a: super::Arrival| (a.source, a.share, a.share * a.through);
+        let entry = |a: Arrival| (a.source, a.share, a.share * a.through);
         let mut row: Row = arrivals.into_iter().map(entry).collect();
         merge(&mut row);
         row
@@ -343,7 +294,7 @@ impl Transport {
             true => Point::Corner(triangle, corner as u8, front),
             false => Point::Vertex(vertex, front),
         };
-        let seen = self.seen.at(key);
+        let seen = self.seen.place(key);
         let row = seen.get_or_init(|| {
             let places = corners(&self.conditions, triangle);
             let [a, b, c] = places;
@@ -370,18 +321,5 @@ impl Light {
             received[which] += PI * through.as_dvec3() * self.radiance(*source);
         }
         received
-    }
-}
-impl Drop for Lattice {
-    fn drop(&mut self) {
-        if std::env::var("TD").is_ok() {
-            let divided = self.parts.iter().filter(|p| p.get().is_some()).count();
-            eprintln!(
-                "lattice: parts {divided} bent {} seen {} rays {}",
-                self.bent.len(),
-                super::transport::SEEN.load(std::sync::atomic::Ordering::Relaxed),
-                super::transport::RAYS.load(std::sync::atomic::Ordering::Relaxed)
-            );
-        }
     }
 }

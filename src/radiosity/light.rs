@@ -77,40 +77,6 @@ impl Light {
         let (exitance, account) = shoot(transport, &irradiance, unshot);
         light.patches = exitance.into_iter().map(|m| m / PI).collect();
         light.account = account;
-        if std::env::var("TD").is_ok() {
-            eprintln!(
-                "rays {}",
-                super::transport::RAYS.load(std::sync::atomic::Ordering::Relaxed)
-            );
-            let n = transport.patches.all.len();
-            let active = transport
-                .exchange
-                .outside
-                .iter()
-                .zip(&transport.exchange.to)
-                .filter(|(a, b)| !a.is_empty() || !b.is_empty())
-                .count();
-            eprintln!(
-                "openings {} patches {n} active {active} coarse {} correction {} account {account:?}",
-                transport.openings.all().len(),
-                transport.patches.coarse,
-                transport.exchange.correction
-            );
-            if n < 3 {
-                for (i, p) in transport.patches.all.iter().enumerate() {
-                    eprintln!(
-                        "{i} area {:.4} albedo {:.2} esc {:.3} E {:.2} L {:.3} sum {:.4} to {}",
-                        p.area,
-                        p.albedo.x,
-                        transport.exchange.escapes[i],
-                        irradiance[i].y,
-                        light.patches[i].y,
-                        transport.exchange.to[i].iter().map(|t| t.1).sum::<f32>(),
-                        transport.exchange.to[i].len()
-                    );
-                }
-            }
-        }
         light
     }
 

@@ -7,6 +7,7 @@
 
 pub mod air;
 mod arrival;
+mod build;
 mod cells;
 mod dome;
 mod exchange;
@@ -16,11 +17,12 @@ mod light;
 mod openings;
 mod patches;
 mod planes;
+mod points;
+mod shards;
 mod transport;
 
-pub use arrival::{Arrival, Source};
+pub use arrival::{Arrival, Care, Source};
 pub use dome::Dome;
-pub use gather::Care;
 pub use lattice::{Lattice, Received};
 pub use light::{Account, Light};
 pub use transport::{Detail, Transport};

@@ -76,7 +76,7 @@ impl Patches {
         let surfaces = Surfaces::new(conditions, 0.5 * share, most / 2);
         let room = most.saturating_sub(surfaces.clusters.len()).max(most / 4);
         let (mut faces, coarse) = faces(conditions, &surfaces, share, room);
-        let mut raw: Vec<Vec<Piece>> = Vec::new();
+        let mut raw: Vec<(Vec<Piece>, f64)> = Vec::new();
         let mut ground = 0..0;
         for face in &mut faces {
             ground.start = raw.len() as u32;
@@ -95,7 +95,7 @@ impl Patches {
                             });
                         }
                     }
-                    raw.push(pieces);
+                    raw.push((pieces, part.area));
                 }
             }
         }
@@ -116,7 +116,7 @@ impl Patches {
                     triangle: *triangle,
                 }
             };
-            raw.push(cluster.iter().map(piece).collect());
+            raw.push((cluster.iter().map(piece).collect(), f64::INFINITY));
         }
         let mut opacity = vec![1.0; conditions.scene.mesh.triangles.len()];
         for (triangle, o) in conditions.geometry.casters() {
@@ -125,7 +125,7 @@ impl Patches {
         let working = Space::Rec709.to_working();
         let all = raw
             .into_par_iter()
-            .map(|pieces| Patch::new(conditions, pieces, &opacity, working))
+            .map(|(pieces, area)| Patch::new(conditions, pieces, area, &opacity, working))
             .collect();
         let mesh = &conditions.scene.mesh;
         let bent = (0..mesh.triangles.len() as u32).map(|triangle| {
@@ -191,6 +191,7 @@ impl Patch {
     fn new(
         conditions: &Conditions,
         pieces: Vec<Piece>,
+        most: f64,
         opacity: &[f64],
         working_from_rec709: glam::DMat3,
     ) -> Self {
@@ -204,7 +205,7 @@ impl Patch {
             })
             .collect();
         let mut patch = Patch {
-            area: sum,
+            area: sum.min(most),
             albedo: DVec3::ZERO,
             pieces,
         };

@@ -1,17 +1,14 @@
 //! What does not change with the time of day: who sees whom, and through what.
 
-use super::arrival::{Map, Source};
+use super::arrival::{Care, Source};
 use super::dome::Dome;
 use super::exchange::Exchange;
-use super::gather::Care;
-use super::lattice::Seen;
 use super::openings::Openings;
-use super::patches::{Patches, spread};
+use super::patches::Patches;
+use super::points::Seen;
 use crate::conditions::Conditions;
 use crate::scene::{Ray, opacity};
-use crate::sky::patches::Subdivision;
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 /// How finely light is carried.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,121 +49,6 @@ pub(super) struct Look {
 }
 
 impl Transport {
-    /// Prepares it for a scene: of the conditions, geometry, materials, media and ground count.
-    pub fn new(conditions: &Conditions, detail: Detail) -> Self {
-        let mut transport = Transport {
-            conditions: conditions.clone(),
-            dome: Dome::new(match detail.sky {
-                0 => Subdivision::Triangles,
-                factor => Subdivision::Reinhart(factor),
-            }),
-            patches: Patches::new(conditions, detail.patch, detail.patches),
-            exchange: Exchange::default(),
-            openings: Openings::default(),
-            seen: Seen::default(),
-            detail,
-        };
-        let few = transport.rows(&vec![true; transport.patches.all.len()], FEW, 0);
-        let lit = Exchange::reached(&few);
-        let now = std::time::Instant::now();
-        let td = |what: &str| {
-            if std::env::var("TD").is_ok() {
-                eprintln!(
-                    "{what} {:?} rays {}",
-                    now.elapsed(),
-                    RAYS.load(std::sync::atomic::Ordering::Relaxed)
-                )
-            }
-        };
-        td("few");
-        transport.openings = Openings::find(&transport, &lit);
-        td("openings");
-        let count = lit.iter().filter(|lit| **lit).count().max(1);
-        let rays = (detail.patch_rays / count).clamp(FEW, MANY);
-        let rows = transport.rows(&lit, rays, detail.patch_spots);
-        td("rows");
-        transport.exchange = Exchange::new(&transport.patches, rows);
-        td("exchange");
-        transport
-    }
-
-    /// What the wanted patches see along rays, by source: shares and what is let through of them.
-    fn rows(&self, wanted: &[bool], rays: usize, spots: usize) -> Vec<Row> {
-        let near = self.near(DVec3::ZERO);
-        // The largest patches have points of their own, those several times as large several.
-        let mut areas: Vec<f64> = (0..wanted.len())
-            .filter(|patch| wanted[*patch])
-            .map(|patch| self.patches.all[patch].area)
-            .collect();
-        areas.sort_unstable_by(|a, b| b.total_cmp(a));
-        let least = areas.get(spots).copied().unwrap_or(0.0);
-        let per_patch = (spots / areas.len().max(1)).clamp(1, 16);
-        let spots_of = |area: f64| {
-            if spots > 0 && area > least {
-                per_patch
-            } else {
-                0
-            }
-        };
-        (0..self.patches.all.len())
-            .into_par_iter()
-            .map(|patch| {
-                let own = &self.patches.all[patch];
-                if !wanted[patch] || own.area <= 0.0 {
-                    return Row::default();
-                }
-                let share = 1.0 / rays as f32;
-                let mut row: Vec<(Source, f32, Vec3)> = (0..rays)
-                    .map(|i| {
-                        let ray = own.ray(&spread(i, patch as u64), near);
-                        let look = self.look(&ray);
-                        (look.source, share, share * look.through)
-                    })
-                    .collect();
-                let spots = spots_of(own.area);
-                if spots > 0 {
-                    self.look_outside(&mut row, patch, spots);
-                }
-                merge(&mut row);
-                row
-            })
-            .collect()
-    }
-
-    /// Puts what a few of a patch's points see of the outside, through openings that are small from there, in the place of what its
-    /// rays have met by chance.
-    fn look_outside(&self, row: &mut Row, patch: usize, spots: usize) {
-        let outside = |source: &Source| !matches!(source, Source::Patch(_));
-        let chance: f32 = row.iter().filter(|r| outside(&r.0)).map(|r| r.1).sum();
-        if chance > WIDE {
-            return;
-        }
-        let own = &self.patches.all[patch];
-        let mut seen = Row::new();
-        for k in 0..spots {
-            let spot = own.spot(&spread(k, patch as u64));
-            let origin = spot.point + self.near(spot.point) * spot.normal;
-            for arrival in self.gather(origin, &Map::before(spot.normal), SPOT) {
-                if outside(&arrival.source) {
-                    let share = arrival.share / spots as f32;
-                    seen.push((arrival.source, share, share * arrival.through));
-                }
-            }
-        }
-        let found: f32 = seen.iter().map(|r| r.1).sum();
-        let rest = if chance < 1.0 {
-            (1.0 - found) / (1.0 - chance)
-        } else {
-            1.0
-        };
-        row.retain(|r| !outside(&r.0));
-        for (_, share, through) in row.iter_mut() {
-            *share *= rest;
-            *through *= rest;
-        }
-        row.extend(seen);
-    }
-
     /// How far from a surface rays begin [m]: above the rounding of positions.
     pub(super) fn near(&self, point: DVec3) -> f64 {
         let (low, high) = self.conditions.geometry.bounds();
@@ -182,7 +64,6 @@ impl Transport {
             ground,
             ..
         } = &self.conditions;
-        RAYS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let Ray { origin, direction } = *ray;
         let clear = air.media.is_empty();
         let through = |depth: DVec3| (-depth).exp().as_vec3();
@@ -230,38 +111,13 @@ impl Transport {
             },
         }
     }
-}
 
-/// The share of what a patch sees from which on its rays alone find the outside well enough [1].
-const WIDE: f32 = 0.3;
-
-/// How closely patches look at the outside: what one of them misses another sees too much of.
-const SPOT: Care = Care {
-    rays: 64,
-    outline: 0.05,
-};
-
-/// Rays by which it is found which patches light can reach at all: the fewest of a patch.
-pub const FEW: usize = 16;
-
-/// The most rays of a patch.
-const MANY: usize = 4096;
-
-/// What a place sees of each source: its share, and the share of light that comes through.
-pub(super) type Row = Vec<(Source, f32, Vec3)>;
-
-/// Sums what is of one source.
-pub(super) fn merge(row: &mut Row) {
-    row.sort_unstable_by_key(|(source, ..)| *source);
-    row.dedup_by(|next, sum| {
-        let same = next.0 == sum.0;
-        if same {
-            sum.1 += next.1;
-            sum.2 += next.2;
+    /// Whether a source is one that openings are looked for.
+    pub(super) fn is_bright(&self, source: Source) -> bool {
+        match source {
+            Source::Nothing => false,
+            Source::Sky(_) | Source::OpenGround => true,
+            Source::Patch(patch) => self.patches.is_ground(patch),
         }
-        same
-    });
+    }
 }
-
-pub static RAYS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
-pub static SEEN: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);

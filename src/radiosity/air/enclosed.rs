@@ -6,11 +6,11 @@
 //! across a cell, the light that comes to the eye itself is taken, in the direction of the ray.
 
 use super::lattice::{Lattice, PAIRS, Place, level_of, spacing};
-use super::shards::Shards;
 use super::source::{Lit, Lobes};
 use crate::conditions::Conditions;
 use crate::medium::Air;
 use crate::radiosity::light::Light;
+use crate::radiosity::shards::Shards;
 use crate::scene::{Projection, Ray};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;

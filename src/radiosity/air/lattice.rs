@@ -3,9 +3,9 @@
 //! For each level there is a cubic lattice, of twice the spacing of the one below, which has all its points. Its points do not move with the eye, so that
 //! pictures from neighbouring places agree; they are made when they are first needed, and what comes to them is kept.
 
-use super::shards::Shards;
 use crate::radiosity::Care;
 use crate::radiosity::arrival::Arrival;
+use crate::radiosity::shards::Shards;
 use crate::radiosity::transport::Transport;
 use crate::scene::{Geometry, Ray};
 use glam::DVec3;

@@ -29,7 +29,6 @@ mod lattice;
 mod lobe;
 mod open;
 mod picture;
-mod shards;
 mod source;
 
 pub use lattice::Lattice;

@@ -3,12 +3,12 @@
 //! Light comes from the whole sky above and from the open ground below, through all media but boxes. J is found at heights that
 //! lie the denser the nearer the ground or the top of a haze is, and in directions some degrees apart, as they are needed.
 
-use super::shards::Shards;
 use super::source::{Lit, Lobes};
 use crate::conditions::Conditions;
 use crate::medium::{Air, Shape};
 use crate::radiosity::arrival::Source;
 use crate::radiosity::light::Light;
+use crate::radiosity::shards::Shards;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};

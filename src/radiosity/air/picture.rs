@@ -7,9 +7,9 @@
 use super::around::Around;
 use super::column::{Column, Means};
 use super::knots::Knots;
-use super::shards::Shards;
 use crate::conditions::Conditions;
 use crate::medium::{Kind, Sight};
+use crate::radiosity::shards::Shards;
 use crate::scene::Ray;
 use glam::{DVec2, DVec3};
 use std::sync::{Arc, OnceLock};
