@@ -287,7 +287,10 @@ fn compare(room: &Room, found: &Rows, truth: &Rows, own: [f64; 3], failures: &mu
         let own = own[channel];
         let more = if own > ALLOWED.worst / 3.0 { own } else { 0.0 };
         match more > 0.0 {
-            true => eprintln!("{line}; the truth's worst point moves by {:.2} %", 100.0 * own),
+            true => eprintln!(
+                "{line}; the truth's worst point moves by {:.2} %",
+                100.0 * own
+            ),
             false => eprintln!("{line}"),
         }
         let worst = figures.worst.abs() - more;
@@ -351,9 +354,7 @@ fn a_room_is_traced_anew_and_takes_twenty_times_as_long() {
     let rows: Rows = found.iter().map(|v| all(luminance(*v))).collect();
     let off = Figures::new(&rows, &truth, 2);
     let count = room.points.len();
-    eprintln!(
-        "{count} points: {off}; rtrace {traced:.1} s, tyndall {seconds:.2} s"
-    );
+    eprintln!("{count} points: {off}; rtrace {traced:.1} s, tyndall {seconds:.2} s");
     assert!(off.within(1.0), "{off}");
     assert!(
         seconds < traced / 20.0,

@@ -140,7 +140,11 @@ fn a_point_sees_its_own_share_of_a_uniform_sky_and_of_the_ground() {
                 // View factor of a half space: (1 + cos) / 2 to the sky, the rest to the ground.
                 let sky = 0.5 * (1.0 + point.normal.y);
                 let ground = albedo.unwrap_or(0.0) * (1.0 - sky);
-                for (found, share) in [(from_sky[i], sky), (from_ground[i], ground)] {
+                // The sun lights the ground too.
+                let below = whole + 1e5 * (40.0 * DEG).sin();
+                for (found, share, whole) in
+                    [(from_sky[i], sky, whole), (from_ground[i], ground, below)]
+                {
                     let error = (found.y - whole * share).abs() / whole;
                     worst = worst.max(error);
                     assert!(
@@ -374,7 +378,12 @@ fn points_see_nothing_and_the_plan_says_so() {
     let plan = plan(&conditions, &[]);
     for step in &plan.steps {
         let made = step.effect.writes.iter().chain(step.effect.alters);
-        let lights = |field: &Field| matches!(field, Field::Sun | Field::Sky | Field::Indirect | Field::Surface);
+        let lights = |field: &Field| {
+            matches!(
+                field,
+                Field::Sun | Field::Sky | Field::Indirect | Field::Surface
+            )
+        };
         let name = step.effect.name;
         if made.clone().next().is_some() && !made.clone().any(lights) {
             assert!(!step.decision.run, "{name}");

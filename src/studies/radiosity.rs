@@ -149,7 +149,10 @@ fn plan<'c>(
 /// # Errors
 /// Those of [`Plan::new`] and [`Reference::render`].
 pub fn truth(conditions: &Conditions) -> Result<Truth> {
-    let finer: Vec<_> = TRUTH.iter().map(|(knob, v)| (knob.to_string(), *v)).collect();
+    let finer: Vec<_> = TRUTH
+        .iter()
+        .map(|(knob, v)| (knob.to_string(), *v))
+        .collect();
     let plan = plan(conditions, &Trial::Quality(OTHERS), &finer)?;
     Ok(found(&Reference::new(&plan).render(&ANY, &|_| {})?.frame))
 }
