@@ -492,7 +492,7 @@ fn a_gpu_leaves_sunlight_through_panes_to_the_reference() {
         .find(|s| s.effect.name == "surface_sun");
     assert!(sun.is_some_and(|s| s.on_cpu && s.pass == "reference"));
     // What it makes is what the reference makes: the surfaces alone differ, by the rasteriser's rounding.
-    let truth = render_at(&conditions, Quality::Preview);
+    let truth = render_at(&conditions, Quality::Preview, &[]);
     let (a, b) = (
         layer(&truth, Field::InscatterSun),
         layer(&rendered.frame, Field::InscatterSun),
