@@ -15,6 +15,8 @@ pub enum Input {
     Materials,
     /// The media.
     Media,
+    /// What the media take from light between places of the scene: not how much of the clear air the sun shines through.
+    Extinction,
     /// The sky.
     Sky,
     /// Where the sun stands and what light it gives.
@@ -66,6 +68,7 @@ impl Conditions {
             )),
             Input::Materials => Some(State::Materials(self.scene.clone(), self.ground)),
             Input::Media => Some(State::Media(self.air.clone())),
+            Input::Extinction => Some(State::Media(self.air.without_sun())),
             Input::Sky => Some(State::Sky(self.sky.clone())),
             Input::Sun => Some(State::Sun(self.sun)),
             Input::View => Some(State::View(self.view.clone())),

@@ -70,6 +70,12 @@ pub const RADIOSITY: Effect = Effect {
             range: [1e-4, 10.0],
         },
         Knob {
+            name: "depth",
+            meaning: "how often cells between points may be quartered",
+            values: [1.0, 2.0, 4.0, 5.0],
+            range: [0.0, 8.0],
+        },
+        Knob {
             name: "unshot",
             meaning: "share of the light that may remain unshot",
             values: [1e-2, 1e-3, 1e-4, 1e-6],
@@ -90,7 +96,12 @@ pub const RADIOSITY: Effect = Effect {
     reference: |conditions, settings, kept| {
         let (transport, light) = solution(conditions, settings, kept);
         let lattice = kept.get(&LATTICE, conditions, settings, || {
-            Lattice::new(&transport, &light, settings.get("bend"))
+            Lattice::new(
+                &transport,
+                &light,
+                settings.get("bend"),
+                settings.get("depth") as u32,
+            )
         });
         Box::new(move |fields| {
             let received: Vec<[DVec3; 2]> = fields
@@ -126,7 +137,7 @@ pub const RADIOSITY: Effect = Effect {
 /// Who sees whom.
 const TRANSPORT: Keep = Keep {
     name: "who sees whom",
-    reads: &[Input::Geometry, Input::Materials, Input::Media],
+    reads: &[Input::Geometry, Input::Materials, Input::Extinction],
 };
 
 /// How bright all sources are.

@@ -82,6 +82,17 @@ impl Air {
         self.media.iter().map(of).sum()
     }
 
+    /// The same air, without what depends on where the sun stands: how much of the clear air its light has come through.
+    pub fn without_sun(&self) -> Air {
+        let mut air = self.clone();
+        for medium in &mut air.media {
+            if let Shape::Air { overhead, .. } = &mut medium.shape {
+                *overhead = DVec3::ZERO;
+            }
+        }
+        air
+    }
+
     /// The same air, in which only the media that `scatters` keeps send light; the others absorb what they would scatter.
     pub fn with_sources(&self, scatters: impl Fn(&Medium) -> bool) -> Air {
         let mut air = self.clone();

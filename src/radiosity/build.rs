@@ -12,6 +12,7 @@ use crate::scene::Ray;
 use crate::sky::patches::Subdivision;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::sync::atomic::AtomicU64;
 
 /// The share of what a patch sees from which on its rays alone find the outside well enough [1].
 const WIDE: f32 = 0.3;
@@ -59,6 +60,7 @@ impl Transport {
             exchange: Exchange::default(),
             openings: Openings::default(),
             seen: Seen::new(),
+            seen_bytes: AtomicU64::new(0),
             detail,
         };
         let all = vec![true; transport.patches.all.len()];

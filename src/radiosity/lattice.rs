@@ -16,6 +16,7 @@ use crate::colour::luminance;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
+use std::sync::atomic::Ordering;
 
 /// What a place receives straight from the sky, and from surfaces [lx, RGB].
 pub type Received = [DVec3; 2];
@@ -28,6 +29,7 @@ pub struct Lattice {
     bent: Shards<(u32, bool), [Received; 3]>,
     open_ground: Received,
     tolerance: f64,
+    depth: u32,
 }
 
 /// A rectangle of a part.
@@ -39,15 +41,16 @@ struct Node {
     quarters: OnceLock<Option<Box<[Node; 4]>>>,
 }
 
-/// How often a rectangle may be quartered.
-const DEPTH: u32 = 4;
+/// What points have seen is kept up to so many bytes; beyond, it is found anew for each moment.
+const MOST_BYTES: u64 = 1 << 30;
 
 /// How far from borders points stay, over the size of a cell.
 const INSET: f64 = 2e-3;
 
 impl Lattice {
-    /// One on which nothing is known yet; rectangles whose middle is off by less than `tolerance` of its light are not divided.
-    pub fn new(transport: &Transport, light: &Light, tolerance: f64) -> Self {
+    /// One on which nothing is known yet; rectangles whose middle is off by less than `tolerance` of its light are not divided, none
+    /// more often than `depth` times.
+    pub fn new(transport: &Transport, light: &Light, tolerance: f64, depth: u32) -> Self {
         Lattice {
             parts: std::iter::repeat_with(OnceLock::new)
                 .take(transport.patches.all.len())
@@ -55,6 +58,7 @@ impl Lattice {
             bent: Shards::new(),
             open_ground: light.on_open_ground(),
             tolerance,
+            depth,
         }
     }
 
@@ -81,7 +85,7 @@ impl Lattice {
         }
         let place = self.bent.place((triangle, front));
         let corners = place.get_or_init(|| {
-            [0, 1, 2].map(|corner| light.given_by(&transport.at_corner(triangle, corner, front)))
+            [0, 1, 2].map(|corner| transport.at_corner(light, triangle, corner, front))
         });
         let mix = |k: usize| corners[0][k] * (1.0 - v - w) + corners[1][k] * v + corners[2][k] * w;
         [mix(0), mix(1)].map(|received| received.max(DVec3::ZERO))
@@ -121,7 +125,7 @@ impl Lattice {
         loop {
             let quarters = node
                 .quarters
-                .get_or_init(|| look.quarters(node, self.tolerance));
+                .get_or_init(|| look.quarters(node, self.tolerance, self.depth));
             let Some(quarters) = quarters else {
                 return Some(node.at(at));
             };
@@ -171,8 +175,8 @@ impl Look<'_> {
     }
 
     /// The quarters of a rectangle, where its middle is not what its corners say.
-    fn quarters(&self, node: &Node, tolerance: f64) -> Option<Box<[Node; 4]>> {
-        if node.depth >= DEPTH {
+    fn quarters(&self, node: &Node, tolerance: f64, depth: u32) -> Option<Box<[Node; 4]>> {
+        if node.depth >= depth {
             return None;
         }
         let middle = 0.5 * (node.low + node.high);
@@ -187,7 +191,7 @@ impl Look<'_> {
         let least = corners.iter().copied().fold(found, f64::min);
         let bends = (found - mean).abs() > tolerance * found.max(mean);
         // A shadow that passes between the corners and the middle shows by its steepness.
-        let steep = most > 4.0 * least && node.depth + 2 < DEPTH;
+        let steep = most > 4.0 * least && node.depth + 2 < depth;
         if !bends && !steep {
             return None;
         }
@@ -214,12 +218,10 @@ impl Look<'_> {
             (at.x * unit).round() as i64,
             (at.y * unit).round() as i64,
         );
-        let seen = self.transport.seen.place(key);
-        let row = seen.get_or_init(|| {
-            let normal = self.of.plane.normal;
-            self.transport.row(self.of.plane.point(at), normal, normal)
-        });
-        self.light.given_by(row)
+        let normal = self.of.plane.normal;
+        let row = || self.transport.row(self.of.plane.point(at), normal, normal);
+        self.transport
+            .seen_from(key, row, |row| self.light.given_by(row))
     }
 
     /// A point itself where the surface goes on around it, else one a little inside the part.
@@ -284,31 +286,59 @@ impl Transport {
         row
     }
 
-    /// What a triangle sees from a corner, a little inside.
-    fn at_corner(&self, triangle: u32, corner: usize, front: bool) -> Row {
+    /// What a triangle receives at a corner: looked at from a little inside, of a vertex with a normal from the first triangle that
+    /// has it.
+    fn at_corner(&self, light: &Light, triangle: u32, corner: usize, front: bool) -> Received {
         let mesh = &self.conditions.scene.mesh;
-        let vertices = mesh.triangles[triangle as usize].vertices;
-        let vertex = vertices[corner];
-        let own = mesh.normals[vertex as usize];
-        let key = match own == DVec3::ZERO {
-            true => Point::Corner(triangle, corner as u8, front),
-            false => Point::Vertex(vertex, front),
+        let outward = |triangle: u32| {
+            let [a, b, c] = corners(&self.conditions, triangle);
+            (b - a).cross(c - a).normalize_or_zero()
         };
-        let seen = self.seen.place(key);
-        let row = seen.get_or_init(|| {
+        let vertex = mesh.triangles[triangle as usize].vertices[corner];
+        let own = mesh.normals[vertex as usize];
+        let (mut triangle, mut corner, mut front) = (triangle, corner as u8, front);
+        if own != DVec3::ZERO {
+            // Which side is the front is each triangle's own matter; where its normal points is not.
+            let agrees = (outward(triangle).dot(own) >= 0.0) == front;
+            (triangle, corner) = self.patches.first_alike[vertex as usize];
+            front = (outward(triangle).dot(own) >= 0.0) == agrees;
+        }
+        let row = || {
             let places = corners(&self.conditions, triangle);
-            let [a, b, c] = places;
-            let outward = (b - a).cross(c - a).normalize_or_zero();
-            let facet = if front { outward } else { -outward };
+            let facet = if front {
+                outward(triangle)
+            } else {
+                -outward(triangle)
+            };
             let normal = match own.try_normalize() {
                 Some(n) if n.dot(facet) < 0.0 => -n,
                 Some(n) => n,
                 None => facet,
             };
-            let middle = (a + b + c) / 3.0;
-            self.row(places[corner].lerp(middle, INSET), normal, facet)
-        });
-        row.clone()
+            let middle = places.iter().sum::<DVec3>() / 3.0;
+            self.row(
+                places[usize::from(corner)].lerp(middle, INSET),
+                normal,
+                facet,
+            )
+        };
+        let key = Point::Corner(triangle, corner, front);
+        self.seen_from(key, row, |row| light.given_by(row))
+    }
+
+    /// What is made of what a point sees, which is kept for other moments as long as there is room for it.
+    fn seen_from<T>(&self, key: Point, row: impl Fn() -> Row, made: impl Fn(&Row) -> T) -> T {
+        if self.seen_bytes.load(Ordering::Relaxed) > MOST_BYTES {
+            return made(&row());
+        }
+        let seen = self.seen.place(key);
+        made(seen.get_or_init(|| {
+            let mut row = row();
+            row.shrink_to_fit();
+            let bytes = size_of::<(Source, f32, glam::Vec3)>() * row.len() + 128;
+            self.seen_bytes.fetch_add(bytes as u64, Ordering::Relaxed);
+            row
+        }))
     }
 }
 

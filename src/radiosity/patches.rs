@@ -8,6 +8,7 @@ use crate::conditions::Conditions;
 use crate::scene::{AlphaMode, Hit, Ray};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Parts of surfaces that send the same light everywhere, each on one side.
 pub(super) struct Patches {
@@ -16,6 +17,8 @@ pub(super) struct Patches {
     pub faces: Vec<Face>,
     /// Triangles whose vertices have normals that are not the plane's.
     bent: Vec<bool>,
+    /// Of each vertex the first corner of a triangle that stands there with about its normal: all such receive the same.
+    pub first_alike: Vec<(u32, u8)>,
     /// The patch of each cluster.
     of_cluster: Vec<u32>,
     /// All of them.
@@ -136,7 +139,18 @@ impl Patches {
             let off = |n: &DVec3| *n != DVec3::ZERO && n.dot(facet).abs() < FLAT;
             normals.iter().any(off)
         });
+        let mut alike = HashMap::new();
+        let mut first_alike = vec![(0, 0); mesh.positions.len()];
+        for (number, triangle) in (0..).zip(&mesh.triangles) {
+            for (corner, vertex) in (0..).zip(triangle.vertices.map(|v| v as usize)) {
+                let place = (mesh.positions[vertex] + 0.0).to_array().map(f64::to_bits);
+                let normal = (32.0 * mesh.normals[vertex]).round().to_array();
+                let key = (place, normal.map(|x| x as i8));
+                first_alike[vertex] = *alike.entry(key).or_insert((number, corner));
+            }
+        }
         Patches {
+            first_alike,
             bent: bent.collect(),
             homes: surfaces.homes,
             faces,

@@ -11,8 +11,6 @@ pub(super) type Seen = Shards<Point, Row>;
 pub(super) enum Point {
     /// On a face, at coordinates in units of a millionth of its side.
     Face(u32, i64, i64),
-    /// A vertex with a normal of its own, and on which side.
-    Vertex(u32, bool),
-    /// A corner of a triangle without one, and on which side.
+    /// A corner of a triangle, and on which side.
     Corner(u32, u8, bool),
 }

@@ -9,6 +9,7 @@ use super::points::Seen;
 use crate::conditions::Conditions;
 use crate::scene::{Ray, opacity};
 use glam::{DVec3, Vec3};
+use std::sync::atomic::AtomicU64;
 
 /// How finely light is carried.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +38,8 @@ pub struct Transport {
     pub(super) openings: Openings,
     /// What points of lattices have seen.
     pub(super) seen: Seen,
+    /// How much memory that takes [bytes].
+    pub(super) seen_bytes: AtomicU64,
     pub(super) detail: Detail,
 }
 
