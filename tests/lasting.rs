@@ -486,7 +486,7 @@ fn many_moments_go_through_one_backend_until_told_to_stop() {
                 assert_eq!(number, frames.len());
                 let late = plan.conditions.sun != start.sun;
                 assert_eq!(late, number > 0);
-                assert!(of_a_moment(&found.made), "{:?}", found.made);
+                assert_eq!(of_a_moment(&found.made), late, "{:?}", found.made);
                 assert_eq!(
                     found.made.pipelines > 0,
                     number == 0 && wanted == Wanted::Gpu

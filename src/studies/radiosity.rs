@@ -1,7 +1,7 @@
 //! What the accuracy of light from sky and surfaces costs: the knobs of the effects that find it, one after the other, and the
 //! qualities, against a finer picture.
 //!
-//! Each knob is swept while all others stand as at [`OTHERS`], so that what is left of the error is its own. Times are those of these
+//! Each knob is swept while all others stand as at [`OTHERS`], so that what changes of the error is its own. Times are those of these
 //! effects alone, medians of repeated frames, each of which starts afresh: what is kept for the next picture is made anew.
 
 use super::{ANY, median};
@@ -20,7 +20,7 @@ use std::time::Duration;
 pub const LAYERS: [Field; 3] = [Field::Sky, Field::Indirect, Field::InscatterSky];
 
 /// The quality at which all knobs stand that are not swept.
-pub const OTHERS: Quality = Quality::High;
+pub const OTHERS: Quality = Quality::Preview;
 
 /// Effects, their knobs, and the values over which each is swept.
 const SWEEPS: &[(&str, &str, &[f64])] = &[
@@ -36,7 +36,7 @@ const SWEEPS: &[(&str, &str, &[f64])] = &[
     ("air_sky", "columns", &[32.0, 16.0, 8.0]),
 ];
 
-/// How much finer than [`OTHERS`] the yardstick is.
+/// How much finer than `high` the yardstick is.
 const TRUTH: &[(&str, f64)] = &[
     ("radiosity.rays", 1024.0),
     ("radiosity.outline", 1e-3),
@@ -143,7 +143,7 @@ fn plan<'c>(
     )
 }
 
-/// What the reference makes of the layers when it looks more closely than in any trial: at [`OTHERS`] with more rays, finer
+/// What the reference makes of the layers when it looks more closely than in any trial: at `high` with more rays, finer
 /// outlines and finer lattices.
 ///
 /// # Errors
@@ -153,7 +153,7 @@ pub fn truth(conditions: &Conditions) -> Result<Truth> {
         .iter()
         .map(|(knob, v)| (knob.to_string(), *v))
         .collect();
-    let plan = plan(conditions, &Trial::Quality(OTHERS), &finer)?;
+    let plan = plan(conditions, &Trial::Quality(Quality::High), &finer)?;
     Ok(found(&Reference::new(&plan).render(&ANY, &|_| {})?.frame))
 }
 
