@@ -6,7 +6,7 @@
 //!
 //! Truths stand in `tests/truth`, one file a room, with the command that made them and what doubling bounces and rays changed.
 //! `TYNDALL_TRUTHS=study,well cargo test --release --test daylight_radiance rooms` makes those of some rooms anew (`all`: of
-//! all; hours). One is made in each run of the tests.
+//! all; hours). Rooms whose truth has not been made are named, not judged. A part of one is made in each run of the tests.
 
 mod common;
 
@@ -240,38 +240,61 @@ fn make(test: &str, room: &Room) -> Option<()> {
     Some(())
 }
 
-/// A stored truth, or why there is none.
-fn stored(room: &Room) -> Result<Rows, String> {
-    let text = std::fs::read_to_string(file(room))
-        .map_err(|_| format!("{} has no truth: see the top of this file", room.name))?;
+/// What stands in a truth's file.
+struct Stored {
+    rows: Rows,
+    /// The greatest change of a point in each channel when bounces and rays were doubled.
+    worst: [f64; 3],
+}
+
+/// A stored truth, if there is one.
+fn stored(room: &Room) -> Option<Stored> {
+    let text = std::fs::read_to_string(file(room)).ok()?;
     let made_for: f64 = (text.lines())
         .find_map(|line| line.strip_prefix("# input "))
         .and_then(|number| number.parse().ok())
-        .ok_or("a truth says what it was made for")?;
-    let input = input(room);
-    if (input / made_for - 1.0).abs() > 1e-6 {
-        let name = room.name;
-        return Err(format!(
-            "the truth of {name} was made for another room or sky"
-        ));
-    }
+        .expect("a truth says what it was made for");
+    assert!(
+        (input(room) / made_for - 1.0).abs() < 1e-6,
+        "the truth of {} was made for another room or sky",
+        room.name
+    );
     let rows = text.lines().filter(|l| !l.starts_with(['#', 'x']));
     let number = |v: &str| v.parse().expect("a number");
-    Ok(rows
-        .map(|line| {
-            let numbers: Vec<f64> = line.split(',').map(number).collect();
-            [numbers[3], numbers[4], numbers[5]]
-        })
-        .collect())
+    let row = |line: &str| {
+        let numbers: Vec<f64> = line.split(',').map(number).collect();
+        [numbers[3], numbers[4], numbers[5]]
+    };
+    let changes = text.lines().filter(|l| l.starts_with("# doubling"));
+    let change = |line: &str| -> f64 {
+        let (_, worst) = line.rsplit_once("worst ").expect("it says the worst");
+        let share = worst.trim_end_matches(" %").parse::<f64>();
+        0.01 * share.expect("a number").abs()
+    };
+    let changes: Vec<f64> = changes.map(change).collect();
+    Some(Stored {
+        rows: rows.map(row).collect(),
+        worst: changes.try_into().expect("one of each channel"),
+    })
 }
 
-/// Prints what a room is off, and lists what is more than is allowed.
-fn compare(room: &Room, found: &Rows, truth: &Rows, failures: &mut Vec<String>) {
+/// Prints what a room is off, and lists what is more than is allowed. Where the truth's own worst point moves by more than a third
+/// of what is allowed, a point may be off by as much more: it cannot tell better.
+fn compare(room: &Room, found: &Rows, truth: &Rows, own: [f64; 3], failures: &mut Vec<String>) {
     for (channel, name) in Channels::of(room).names().iter().enumerate() {
         let figures = Figures::new(found, truth, channel);
         let line = format!("{}, {name}: {figures}", room.name);
-        eprintln!("{line}");
-        if !figures.within(1.0) {
+        let own = own[channel];
+        let more = if own > ALLOWED.worst / 3.0 { own } else { 0.0 };
+        match more > 0.0 {
+            true => eprintln!(
+                "{line}; the truth's worst point moves by {:.2} %",
+                100.0 * own
+            ),
+            false => eprintln!("{line}"),
+        }
+        let worst = figures.worst.abs() - more;
+        if !(Figures { worst, ..figures }).within(1.0) {
             failures.push(line);
         }
     }
@@ -287,33 +310,42 @@ fn rooms_have_the_light_that_radiance_gives_them() {
         if (asked == "all" || asked.split(',').any(|n| n == name)) && make(test, &room).is_none() {
             return;
         }
+        let Some(truth) = stored(&room) else {
+            eprintln!("{name}: no truth yet");
+            continue;
+        };
         let (rows, seconds) = found(&room, Wanted::Reference);
         eprintln!("{name}: {} points, {seconds:.1} s", room.points.len());
-        match stored(&room) {
-            Ok(truth) => compare(&room, &rows, &truth, &mut failures),
-            Err(problem) => failures.push(problem),
-        }
+        compare(&room, &rows, &truth.rows, truth.worst, &mut failures);
     }
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-/// One truth is made anew, under one sky, by the setting that is converged to half a percent, beside which stands the time.
+/// One in so many points is traced anew.
+const PART: usize = 12;
+
+/// A part of a truth is made anew, under one sky, by the setting that is converged to half a percent; beside it stands the time for
+/// all points, of which each takes rtrace as long as another.
 #[test]
 fn a_room_is_traced_anew_and_takes_twenty_times_as_long() {
     let test = "a_room_is_traced_anew_and_takes_twenty_times_as_long";
-    let room = room("two windows", 1.0).expect("it is in the list");
-    let truth = stored(&room).expect("its truth is stored");
+    let room = room("study", 1.0).expect("it is in the list");
+    let truth = stored(&room).expect("its truth is stored").rows;
     let sky = conditions(&room, &WEATHER[2]);
-    let once = vec![1; room.points.len()];
-    let Some(new) = trace(test, &task(&room, &[sky], 10, 65_536, &once)) else {
+    let mut part = room.clone();
+    part.points = room.points.iter().copied().step_by(PART).collect();
+    let once = vec![1; part.points.len()];
+    let Some(new) = trace(test, &task(&part, &[sky], 10, 65_536, &once)) else {
         return;
     };
+    let traced = new.seconds * room.points.len() as f64 / part.points.len() as f64;
     // The last channel of the stored truth is this sky's.
     let all = |v: f64| [v, v, v];
     let rows: Rows = (new.rows.iter())
         .map(|row| all(luminance(DVec3::from(*row))))
         .collect();
-    let change = Figures::new(&rows, &truth, 2);
+    let same: Rows = truth.iter().copied().step_by(PART).collect();
+    let change = Figures::new(&rows, &same, 2);
     eprintln!("rtrace anew against the stored truth: {change}");
     assert!(change.within(1.0), "{change}");
     let begin = Instant::now();
@@ -322,22 +354,18 @@ fn a_room_is_traced_anew_and_takes_twenty_times_as_long() {
     let rows: Rows = found.iter().map(|v| all(luminance(*v))).collect();
     let off = Figures::new(&rows, &truth, 2);
     let count = room.points.len();
-    eprintln!(
-        "{count} points: {off}; rtrace {:.1} s, tyndall {seconds:.2} s",
-        new.seconds
-    );
+    eprintln!("{count} points: {off}; rtrace {traced:.1} s, tyndall {seconds:.2} s");
     assert!(off.within(1.0), "{off}");
     assert!(
-        seconds < new.seconds / 20.0,
-        "{seconds:.2} s, rtrace {:.1} s",
-        new.seconds
+        seconds < traced / 20.0,
+        "{seconds:.2} s, rtrace {traced:.1} s"
     );
 }
 
 #[test]
 fn a_wrong_room_is_noticed() {
     let sound = room("study", 1.0).expect("it is in the list");
-    let truth = stored(&sound).expect("its truth is stored");
+    let truth = stored(&sound).expect("its truth is stored").rows;
     for wrong in [
         sound.lighter(0.05),
         room("study", 1.05).expect("it is in the list"),
@@ -372,7 +400,7 @@ fn a_black_room_has_the_light_of_sky_and_sun() {
             .collect();
         let of = |rows: &Rows| lit.iter().map(|i| rows[*i]).collect();
         let mut failures = Vec::new();
-        compare(&room, &of(&rows), &of(&truth.rows), &mut failures);
+        compare(&room, &of(&rows), &of(&truth.rows), [0.0; 3], &mut failures);
         assert!(failures.is_empty(), "{failures:#?}");
     }
 }

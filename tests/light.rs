@@ -366,18 +366,17 @@ fn a_white_convex_body_in_a_white_furnace_neither_gains_nor_loses() {
     let background = layer(&frame, Field::Background);
     let sky_luminance = background.iter().map(|v| v.y).fold(0.0, f64::max);
     let mut on_body = 0;
-    for (i, value) in layer(&frame, Field::Sky).iter().enumerate() {
+    let (sky, indirect) = (layer(&frame, Field::Sky), layer(&frame, Field::Indirect));
+    let mut worst = 0.0f64;
+    for i in 0..frame.pixels() {
         if frame.depth[i] < 50.0 {
             on_body += 1;
-            // 256 cosine-distributed rays: a share of half the sky is met to a ray or two.
-            assert!(
-                (value.y / sky_luminance - 1.0).abs() < 2e-3,
-                "{i}: {value} {sky_luminance} {} {}",
-                frame.depth[i],
-                frame.normal[i]
-            );
+            let sent = sky[i] + indirect[i];
+            worst = worst.max((sent.y / sky_luminance - 1.0).abs());
         }
     }
+    eprintln!("{on_body} pixels, off by {worst:.1e}");
+    assert!(worst < 5e-3, "{worst}");
     assert!(on_body > 200, "{on_body}");
 }
 
@@ -456,7 +455,7 @@ fn hard_cases_stay_finite_and_in_order() {
                         _ => Projection::Panorama,
                     };
                     // `render_at` checks that everything is finite and nothing negative.
-                    let frame = render_at(&conditions(scene, camera, size), Quality::Draft);
+                    let frame = render_at(&conditions(scene, camera, size), Quality::Draft, LEAST);
                     if elevation < -0.5 {
                         assert!(
                             frame.layer("sun").is_none() && frame.layer("inscatter_sun").is_none()

@@ -309,7 +309,7 @@ fn pictures(scene: Scene, camera: Camera) -> [Frame; 2] {
         set: [
             ("surface_sun.suns", 1.0),
             ("shafts_rectified.suns", 1.0),
-            ("surface_sky.rays", 16.0),
+            ("radiosity.rays", 16.0),
         ]
         .map(|(knob, value)| (knob.to_owned(), value))
         .into_iter()

@@ -105,7 +105,7 @@ fn open_ground_has_the_skys_horizontal_illuminance() {
         let conditions = conditions(under(sky), &points);
         let truth = conditions.sky.as_ref().expect("it was asked for");
         let truth = truth.horizontal_illuminance();
-        let plan = plan(&conditions, &[("surface_sky.rays", 1024.0)]);
+        let plan = plan(&conditions, &[("radiosity.rays", 1024.0)]);
         for (backend, frame) in pictures(test, &plan) {
             for found in illuminance(&frame, Field::Sky, &points) {
                 let error = (found / truth - 1.0).abs().max_element();
@@ -131,22 +131,29 @@ fn a_point_sees_its_own_share_of_a_uniform_sky_and_of_the_ground() {
             .collect();
         let conditions = conditions(scene, &points);
         // A horizon that cuts off less than the outermost cells takes small ones.
-        let plan = plan(&conditions, &[("surface_sky.rays", 16384.0)]);
+        let plan = plan(&conditions, &[("radiosity.rays", 16384.0)]);
         for (backend, frame) in pictures(test, &plan) {
-            let found = illuminance(&frame, Field::Sky, &points);
+            let from_sky = illuminance(&frame, Field::Sky, &points);
+            let from_ground = illuminance(&frame, Field::Indirect, &points);
             let mut worst = 0.0f64;
-            for (point, found) in points.iter().zip(found) {
+            for (i, point) in points.iter().enumerate() {
                 // View factor of a half space: (1 + cos) / 2 to the sky, the rest to the ground.
                 let sky = 0.5 * (1.0 + point.normal.y);
-                let truth = whole * (sky + albedo.unwrap_or(0.0) * (1.0 - sky));
-                let error = (found.y - truth).abs() / whole;
-                worst = worst.max(error);
-                let allowed = if point.normal.y == 0.0 { 1e-6 } else { 2e-3 };
-                assert!(
-                    error < allowed,
-                    "{backend:?}, {albedo:?}, {}: {found} {truth}",
-                    point.normal
-                );
+                let ground = albedo.unwrap_or(0.0) * (1.0 - sky);
+                // The sun lights the ground too.
+                let below = whole + 1e5 * (40.0 * DEG).sin();
+                for (found, share, whole) in
+                    [(from_sky[i], sky, whole), (from_ground[i], ground, below)]
+                {
+                    let error = (found.y - whole * share).abs() / whole;
+                    worst = worst.max(error);
+                    assert!(
+                        error < 2e-3,
+                        "{backend:?}, {albedo:?}, {}: {found} {}",
+                        point.normal,
+                        whole * share
+                    );
+                }
             }
             eprintln!("{backend:?}, albedo {albedo:?}: {worst:.1e}");
         }
@@ -371,7 +378,12 @@ fn points_see_nothing_and_the_plan_says_so() {
     let plan = plan(&conditions, &[]);
     for step in &plan.steps {
         let made = step.effect.writes.iter().chain(step.effect.alters);
-        let lights = |field: &Field| matches!(field, Field::Sun | Field::Sky | Field::Surface);
+        let lights = |field: &Field| {
+            matches!(
+                field,
+                Field::Sun | Field::Sky | Field::Indirect | Field::Surface
+            )
+        };
         let name = step.effect.name;
         if made.clone().next().is_some() && !made.clone().any(lights) {
             assert!(!step.decision.run, "{name}");
@@ -395,10 +407,10 @@ fn points_see_nothing_and_the_plan_says_so() {
         }
     }
     let runs = |name: &str| plan.running().any(|step| step.effect.name == name);
-    assert!(runs("surface_sun") && runs("surface_sky") && !runs("compose"));
+    assert!(runs("surface_sun") && runs("radiosity") && !runs("compose"));
     for (backend, frame) in pictures(test, &plan) {
         let names: Vec<&str> = frame.layers.iter().map(|layer| layer.name).collect();
-        assert_eq!(names, ["sun", "sky"], "{backend:?}");
+        assert_eq!(names, ["sun", "sky", "indirect"], "{backend:?}");
     }
     let force = Overrules {
         force: vec!["sky_dome".into()],

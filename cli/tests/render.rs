@@ -263,7 +263,7 @@ fn no_haze_no_shafts_and_no_sun_no_sun_passes() {
         day("shafts_rectified") && day("surface_sun") && day("transmittance") && !day("sun_disc")
     );
     let night = decisions(&["slats.toml", "--time", "2026-06-21T23:30"]);
-    assert!(!night("shafts_rectified") && !night("surface_sun") && night("surface_sky"));
+    assert!(!night("shafts_rectified") && !night("surface_sun") && night("radiosity"));
     std::fs::write(
         folder.path().join("clear.toml"),
         "mesh = \"slats.obj\"\n[sun]\nazimuth = 120\nelevation = 30\nilluminance = 1\ndiameter = 0\n",
@@ -291,7 +291,8 @@ fn the_table_of_the_plan_names_every_effect() {
     for name in [
         "visibility",
         "sky_dome",
-        "surface_sky",
+        "radiosity",
+        "air_sky",
         "shafts",
         "estimate",
         "predicted",

@@ -1,7 +1,7 @@
 //! What the accuracy of light from sky and surfaces costs: the knobs of the effects that find it, one after the other, and the
-//! qualities, against the finest.
+//! qualities, against a finer picture.
 //!
-//! Each knob is swept while all others stand as at [`OTHERS`], so that what is left of the error is its own. Times are those of these
+//! Each knob is swept while all others stand as at [`OTHERS`], so that what changes of the error is its own. Times are those of these
 //! effects alone, medians of repeated frames, each of which starts afresh: what is kept for the next picture is made anew.
 
 use super::{ANY, median};
@@ -20,18 +20,30 @@ use std::time::Duration;
 pub const LAYERS: [Field; 3] = [Field::Sky, Field::Indirect, Field::InscatterSky];
 
 /// The quality at which all knobs stand that are not swept.
-pub const OTHERS: Quality = Quality::High;
+pub const OTHERS: Quality = Quality::Preview;
 
 /// Effects, their knobs, and the values over which each is swept.
 const SWEEPS: &[(&str, &str, &[f64])] = &[
-    // 145, 577, 2 305, 9 217 and 36 865 patches.
-    ("radiosity", "sky", &[1.0, 2.0, 4.0, 8.0, 16.0]),
-    ("radiosity", "rays", &[16.0, 64.0, 256.0, 1024.0]),
-    ("radiosity", "patch", &[0.5, 0.25, 0.125, 0.0625]),
-    ("radiosity", "patches", &[100.0, 1000.0, 10_000.0, 40_000.0]),
-    ("radiosity", "patch_rays", &[32.0, 128.0, 512.0, 2048.0]),
-    ("radiosity", "patch_spots", &[0.0, 1.0, 4.0, 16.0]),
-    ("radiosity", "unshot", &[0.1, 1e-2, 1e-3, 1e-4]),
+    // 145, 577, 2 305 and 36 865 patches.
+    ("radiosity", "sky", &[1.0, 2.0, 4.0, 16.0]),
+    ("radiosity", "rays", &[16.0, 64.0, 256.0]),
+    ("radiosity", "patch", &[0.5, 0.125, 0.0625]),
+    ("radiosity", "patches", &[100.0, 1e3, 1e4]),
+    ("radiosity", "patch_rays", &[1e4, 1e5, 1e6]),
+    ("radiosity", "bend", &[0.2, 0.06, 0.02]),
+    ("radiosity", "unshot", &[0.1, 1e-2, 1e-3]),
+    ("air_sky", "spacing", &[0.4, 0.25, 0.16]),
+    ("air_sky", "columns", &[32.0, 16.0, 8.0]),
+];
+
+/// How much finer than `high` the yardstick is.
+const TRUTH: &[(&str, f64)] = &[
+    ("radiosity.rays", 1024.0),
+    ("radiosity.outline", 1e-3),
+    ("radiosity.bend", 0.01),
+    ("air_sky.rays", 1024.0),
+    ("air_sky.outline", 0.005),
+    ("air_sky.difference", 0.002),
 ];
 
 /// One setting.
@@ -88,7 +100,6 @@ impl Trial {
 
 /// All trials: the qualities, then the knobs.
 pub fn trials() -> Vec<Trial> {
-    // The finest is the yardstick.
     let qualities = [Quality::Draft, Quality::Preview, Quality::High].map(Trial::Quality);
     let knobs = SWEEPS.iter().flat_map(|&(effect, knob, values)| {
         values.iter().map(move |&value| Trial::Knob {
@@ -132,12 +143,17 @@ fn plan<'c>(
     )
 }
 
-/// What the reference makes of the layers at its finest.
+/// What the reference makes of the layers when it looks more closely than in any trial: at `high` with more rays, finer
+/// outlines and finer lattices.
 ///
 /// # Errors
 /// Those of [`Plan::new`] and [`Reference::render`].
 pub fn truth(conditions: &Conditions) -> Result<Truth> {
-    let plan = plan(conditions, &Trial::Quality(Quality::Reference), &[])?;
+    let finer: Vec<_> = TRUTH
+        .iter()
+        .map(|(knob, v)| (knob.to_string(), *v))
+        .collect();
+    let plan = plan(conditions, &Trial::Quality(Quality::High), &finer)?;
     Ok(found(&Reference::new(&plan).render(&ANY, &|_| {})?.frame))
 }
 

@@ -22,15 +22,45 @@ pub fn conditions(scene: Scene, camera: Camera, size: [u32; 2]) -> Conditions {
     Conditions::new(scene, &request).expect("the scene is sound")
 }
 
-/// A picture at the finest quality.
+/// Light between surfaces and in the air as at `preview`: tests of their own hold it to its truth, and at the finest quality it would
+/// take them minutes.
+const PREVIEW: &[(&str, f64)] = &[
+    ("radiosity.rays", 256.0),
+    ("radiosity.outline", 0.02),
+    ("radiosity.patch", 0.125),
+    ("radiosity.patches", 4e3),
+    ("radiosity.patch_rays", 2e5),
+    ("radiosity.patch_spots", 0.0),
+    ("radiosity.bend", 0.06),
+    ("air_sky.columns", 16.0),
+    ("air_sky.spacing", 0.25),
+    ("air_sky.difference", 0.015),
+    ("air_sky.rays", 100.0),
+    ("air_sky.outline", 0.1),
+];
+
+/// The least of it.
+pub const LEAST: &[(&str, f64)] = &[
+    ("radiosity.sky", 1.0),
+    ("radiosity.rays", 16.0),
+    ("radiosity.outline", 1.0),
+    ("radiosity.patches", 64.0),
+    ("radiosity.patch_rays", 1e3),
+    ("radiosity.bend", 1.0),
+    ("air_sky.rays", 16.0),
+    ("air_sky.outline", 1.0),
+];
+
+/// A picture at the finest quality, but for the light of [`PREVIEW`].
 pub fn render(conditions: &Conditions) -> Frame {
-    render_at(conditions, Quality::Reference)
+    render_at(conditions, Quality::Reference, PREVIEW)
 }
 
 /// A picture, all of whose values have been checked to be finite and not negative.
-pub fn render_at(conditions: &Conditions, quality: Quality) -> Frame {
+pub fn render_at(conditions: &Conditions, quality: Quality, set: &[(&str, f64)]) -> Frame {
     let overrules = Overrules {
         quality,
+        set: set.iter().map(|(k, v)| (k.to_string(), *v)).collect(),
         ..Overrules::default()
     };
     let plan = Plan::new(conditions, &overrules).expect("the plan is sound");

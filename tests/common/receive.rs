@@ -50,10 +50,27 @@ pub fn conditions(scene: Scene, points: &[Receiver]) -> Conditions {
     conditions.seen_from(view).expect("the points are sound")
 }
 
+/// Knobs and values.
+pub type Settings<'a> = &'a [(&'a str, f64)];
+
 /// What the points of conditions receive.
 pub fn received(conditions: &Conditions, backend: Wanted) -> Lux {
+    received_by(conditions, backend, &[])
+}
+
+/// What the points of conditions receive by some knobs.
+pub fn received_by(conditions: &Conditions, backend: Wanted, set: Settings) -> Lux {
+    let mut set: Vec<(String, f64)> = set.iter().map(|(k, v)| (k.to_string(), *v)).collect();
+    if let Ok(more) = std::env::var("TD_SET") {
+        for pair in more.split(',').filter(|p| !p.is_empty()) {
+            let (k, v) = pair.split_once('=').unwrap();
+            set.retain(|(known, _)| known != k);
+            set.push((k.to_owned(), v.parse().unwrap()));
+        }
+    }
     let overrules = Overrules {
         quality: QUALITY,
+        set,
         ..Overrules::default()
     };
     let plan = Plan::new(conditions, &overrules).expect("the plan is sound");
@@ -76,7 +93,49 @@ pub fn received(conditions: &Conditions, backend: Wanted) -> Lux {
 
 /// What points of a scene receive by the reference.
 pub fn receive(scene: Scene, points: &[Receiver]) -> Lux {
-    received(&conditions(scene, points), Wanted::Reference)
+    receive_by(scene, points, &[])
+}
+
+/// What points of a scene receive by the reference and some knobs.
+pub fn receive_by(scene: Scene, points: &[Receiver], set: Settings) -> Lux {
+    received_by(&conditions(scene, points), Wanted::Reference, set)
+}
+
+/// Deviations that are looked at together: each is printed, and those above what is allowed fail at the end.
+#[derive(Default)]
+pub struct Deviations(Vec<String>);
+
+impl Deviations {
+    /// Notes a deviation.
+    pub fn note(&mut self, what: &str, off: f64, allowed: f64) {
+        let line = format!(
+            "{what}: off by {:.3} %, allowed {:.3} %",
+            100.0 * off,
+            100.0 * allowed
+        );
+        eprintln!("{line}");
+        // What is no number is no deviation within anything.
+        if off.is_nan() || off >= allowed {
+            self.0.push(line);
+        }
+    }
+
+    /// Notes the greatest share by which values are off.
+    pub fn near(&mut self, what: &str, found: &[f64], truth: &[f64], allowed: f64) {
+        self.note(what, worst(found, truth), allowed);
+    }
+
+    /// Notes the greatest share of `whole` by which values are off, where some of the truths are next to nothing.
+    pub fn near_of(&mut self, whole: f64, what: &str, found: &[f64], truth: &[f64], allowed: f64) {
+        let off = found.iter().zip(truth).map(|(f, t)| (f - t).abs() / whole);
+        self.note(what, off.fold(0.0, f64::max), allowed);
+    }
+
+    /// Fails where one was too great.
+    #[track_caller]
+    pub fn end(self) {
+        assert!(self.0.is_empty(), "{:#?}", self.0);
+    }
 }
 
 /// Luminances.

@@ -25,9 +25,15 @@ pub fn plan<'c>(
         quality,
         method: Some(method),
         set: set.iter().map(|(knob, v)| (knob.to_string(), *v)).collect(),
-        without: ["surface_sun", "surface_sky", "sky_dome", "sun_disc"]
-            .map(str::to_owned)
-            .to_vec(),
+        without: [
+            "surface_sun",
+            "radiosity",
+            "air_sky",
+            "sky_dome",
+            "sun_disc",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         ..Overrules::default()
     };
     Plan::new(conditions, &overrules).expect("the plan is sound")

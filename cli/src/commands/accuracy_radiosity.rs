@@ -26,7 +26,7 @@ pub struct RadiosityArgs {
 const SCENES: [&str; 3] = ["room", "court", "hills"];
 
 /// Their size [pixels].
-const SIZE: [u32; 2] = [96, 64];
+const SIZE: [u32; 2] = [48, 32];
 
 /// All measurements of a scene.
 struct Study {
@@ -113,7 +113,7 @@ fn rows<'s>(study: &'s Study, backend: &'s str) -> impl Iterator<Item = Columns>
 
 fn table(out: &mut Out, studies: &[Study], backend: &str, frames: usize) -> Result<()> {
     out.line(&format!(
-        "{backend}; medians of {frames} frames that start afresh; relative RMSE against the reference at its finest"
+        "{backend}; medians of {frames} frames that start afresh; relative RMSE against the reference with more rays"
     ))?;
     out.line(&format!(
         "one knob at a time, the others as at `{}`; ms: of the effects that make these layers, on the reference summed over cores; \

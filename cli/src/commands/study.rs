@@ -23,7 +23,7 @@ pub struct StudyArgs {
     /// With --effect shafts or radiosity: set a knob that is not swept, as shadow.resolution=8192 [default: 4096]
     #[arg(long, value_name = "EFFECT.KNOB=VALUE", value_parser = setting)]
     pub set: Vec<(String, f64)>,
-    /// With --effect shafts or radiosity: the picture's size in pixels, for scenes of the study [default: 512x512; radiosity 96x64]
+    /// With --effect shafts or radiosity: the picture's size in pixels, for scenes of the study [default: 512x512; radiosity 48x32]
     #[arg(long, value_name = "WxH", value_parser = size)]
     study_size: Option<[u32; 2]>,
     /// With --effect shafts or radiosity: plot error against time (.svg, .png or .html); each scene's name is added to the file's
