@@ -94,7 +94,7 @@ fn centre(pixel: UVec2) -> glam::DVec2 {
 /// What comes to places of the air from whom.
 const LATTICE: Keep = Keep {
     name: "who lights the air",
-    reads: &[Input::Geometry, Input::Materials, Input::Media],
+    reads: &[Input::Geometry, Input::Materials, Input::Extinction],
 };
 
 /// What the air of a picture sends to the eye.
