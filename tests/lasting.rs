@@ -349,7 +349,11 @@ fn a_moved_eye_keeps_the_skys_light_of_the_reference() {
     for way in [0.5, 5.0, 13.0] {
         let to = moved(&from, way * DVec3::NEG_Z);
         let found = by(&mut backend, &plan(&to));
-        assert_eq!(found.made, Made::default());
+        assert!(
+            found.made.products.iter().all(|name| *name == AIR),
+            "{:?}",
+            found.made
+        );
         assert!(found.frame == afresh(Wanted::Reference, &plan(&to)).frame);
     }
 }
