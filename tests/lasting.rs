@@ -322,7 +322,7 @@ fn a_moved_eye_keeps_the_scene_and_the_skys_light() {
                 way.length(),
                 found.made.maps
             );
-            assert!(error <= 1e-4, "{name}, {way}: {error}");
+            assert!(error <= 5e-4, "{name}, {way}: {error}");
             assert!(seen > 1e-2, "{name}, {way}: {seen}");
             assert!(found.made.maps > 0);
             let made = Made {
