@@ -322,7 +322,7 @@ fn a_moved_eye_keeps_the_scene_and_the_skys_light() {
                 way.length(),
                 found.made.maps
             );
-            assert!(error <= 1e-4, "{name}, {way}: {error}");
+            assert!(error <= 5e-4, "{name}, {way}: {error}");
             assert!(seen > 1e-2, "{name}, {way}: {seen}");
             assert!(found.made.maps > 0);
             let made = Made {
@@ -349,7 +349,11 @@ fn a_moved_eye_keeps_the_skys_light_of_the_reference() {
     for way in [0.5, 5.0, 13.0] {
         let to = moved(&from, way * DVec3::NEG_Z);
         let found = by(&mut backend, &plan(&to));
-        assert_eq!(found.made, Made::default());
+        assert!(
+            found.made.products.iter().all(|name| *name == AIR),
+            "{:?}",
+            found.made
+        );
         assert!(found.frame == afresh(Wanted::Reference, &plan(&to)).frame);
     }
 }

@@ -144,15 +144,13 @@ fn plan<'c>(
 }
 
 /// What the reference makes of the layers when it looks more closely than in any trial: at `high` with more rays, finer
-/// outlines and finer lattices.
+/// outlines and finer lattices. Knobs of `extra` stand as they do in the trials.
 ///
 /// # Errors
 /// Those of [`Plan::new`] and [`Reference::render`].
-pub fn truth(conditions: &Conditions) -> Result<Truth> {
-    let finer: Vec<_> = TRUTH
-        .iter()
-        .map(|(knob, v)| (knob.to_string(), *v))
-        .collect();
+pub fn truth(conditions: &Conditions, extra: &[(String, f64)]) -> Result<Truth> {
+    let finer = TRUTH.iter().map(|(knob, v)| (knob.to_string(), *v));
+    let finer: Vec<_> = finer.chain(extra.iter().cloned()).collect();
     let plan = plan(conditions, &Trial::Quality(Quality::High), &finer)?;
     Ok(found(&Reference::new(&plan).render(&ANY, &|_| {})?.frame))
 }

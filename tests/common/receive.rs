@@ -60,14 +60,7 @@ pub fn received(conditions: &Conditions, backend: Wanted) -> Lux {
 
 /// What the points of conditions receive by some knobs.
 pub fn received_by(conditions: &Conditions, backend: Wanted, set: Settings) -> Lux {
-    let mut set: Vec<(String, f64)> = set.iter().map(|(k, v)| (k.to_string(), *v)).collect();
-    if let Ok(more) = std::env::var("TD_SET") {
-        for pair in more.split(',').filter(|p| !p.is_empty()) {
-            let (k, v) = pair.split_once('=').unwrap();
-            set.retain(|(known, _)| known != k);
-            set.push((k.to_owned(), v.parse().unwrap()));
-        }
-    }
+    let set = set.iter().map(|(k, v)| (k.to_string(), *v)).collect();
     let overrules = Overrules {
         quality: QUALITY,
         set,

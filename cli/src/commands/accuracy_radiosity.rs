@@ -43,7 +43,7 @@ pub fn run(flags: &StudyArgs, own: &RadiosityArgs, form: FormArgs) -> Result<()>
     let mut studies = Vec::new();
     for (scene, conditions) in flags.scenes(&SCENES, SIZE)? {
         eprintln!("{scene}: the reference");
-        let truth = truth(&conditions)?;
+        let truth = truth(&conditions, &flags.set)?;
         let mut outcomes = Vec::new();
         for trial in trials() {
             eprintln!("{scene}: {} {}", trial.subject(), trial.setting());
