@@ -61,7 +61,7 @@ pub const AIR_SKY: Effect = Effect {
         Knob {
             name: "outline",
             meaning: "share of the light of such a place that may be uncertain at outlines",
-            values: [0.3, 0.2, 0.02, 0.005],
+            values: [0.05, 0.02, 0.004, 0.001],
             range: [1e-5, 1.0],
         },
     ],

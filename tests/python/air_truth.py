@@ -102,8 +102,9 @@ def incoming(origin, direction, sampler):
         hit = scene.ray_intersect_preliminary(mi.Ray3f(origin, direction), coherent=False)
         met = hit.is_valid()
         distance = dr.select(met, hit.t, 1e6)
-        weight *= through(origin, direction, distance)
-        found += dr.select(met, 0, weight * radiance(direction))
+        # Paths that have ended lie nowhere: what is found of them is no number.
+        weight = dr.select(weight > 0, weight * through(origin, direction, distance), 0)
+        found += dr.select(met | (weight <= 0), 0, weight * radiance(direction))
         albedo = dr.gather(mi.Float, albedos, hit.prim_index, met)
         weight = dr.select(met, weight * albedo, 0)
         if not dr.any(weight > 0):

@@ -22,8 +22,8 @@ use std::sync::{Arc, OnceLock};
 /// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
 const SEEN: f64 = 0.3;
 
-/// No coarser than this share of a mean free path of light.
-const OF_FREE_PATH: f64 = 0.5;
+/// No coarser than this share of a mean free path of light: where a box of fog ends, J has a kink.
+const OF_FREE_PATH: f64 = 0.1;
 
 /// Where rays come from.
 #[derive(Debug, Clone, Copy)]
