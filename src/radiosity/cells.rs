@@ -291,8 +291,14 @@ const GROUND: f64 = 16.0;
 /// Stands for the ground where a triangle's number is asked for.
 pub(super) const GROUND_TRIANGLE: u32 = u32::MAX;
 
-#[derive(PartialEq, PartialOrd)]
+#[derive(PartialEq)]
 struct Side(f64);
+
+impl PartialOrd for Side {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
 
 impl Eq for Side {}
 
@@ -452,7 +458,7 @@ fn cuts(
         let distance = normal.dot(0.5 * (a + b));
         let known = lines
             .iter_mut()
-            .find(|(n, d, _)| n.dot(normal) > 0.999 && (d - &distance).abs() < 0.01 * square.side);
+            .find(|(n, d, _)| n.dot(normal) > 0.999 && (*d - distance).abs() < 0.01 * square.side);
         match known {
             Some((_, _, sum)) => *sum += length,
             None => lines.push((normal, distance, length)),
@@ -463,7 +469,7 @@ fn cuts(
     let middle = 0.5 * (low + high);
     lines.retain(|(normal, distance, length)| {
         let reach = 0.5 * square.side * (normal.x.abs() + normal.y.abs());
-        *length > 0.3 * square.side && (normal.dot(middle) - distance).abs() < 0.995 * reach
+        *length > 0.1 * square.side && (normal.dot(middle) - distance).abs() < 0.9999 * reach
     });
     lines.sort_by(|a, b| b.2.total_cmp(&a.2));
     lines.truncate(MOST_CUTS);

@@ -109,6 +109,10 @@ impl Exchange {
             }
             for (i, escapes) in escapes.iter_mut().enumerate() {
                 *escapes *= factor(i);
+                for (_, share, through) in &mut outside[i] {
+                    *share *= factor(i) as f32;
+                    *through *= factor(i) as f32;
+                }
             }
             if turn == 0 {
                 let off = (0..count).filter(|i| is_known[*i] && sums[*i] > 0.0);

@@ -303,7 +303,7 @@ impl Enclosed {
         let other = 1.0 - smooth(2.0 * seen / SEEN - 1.0);
         if other > 0.0 {
             let found = self
-                .from_wider(place, number, at)
+                .by_wider(place, number, at)
                 .unwrap_or_else(|| self.alone(place, direction));
             add(sum, &found, other * part);
         }
@@ -318,7 +318,7 @@ impl Enclosed {
     }
 
     /// The rest of J from the points of the lattice within two spacings of a place that it sees.
-    fn from_wider(&self, place: DVec3, cell: Place, at: DVec3) -> Option<Vec<DVec3>> {
+    fn by_wider(&self, place: DVec3, cell: Place, at: DVec3) -> Option<Vec<DVec3>> {
         let mut sum = Vec::new();
         let mut seen = 0.0;
         for (point, offset) in cell.surroundings() {
