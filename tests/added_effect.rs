@@ -171,7 +171,7 @@ fn what_does_not_fit_is_refused() {
     ];
     // Reads what nobody has written.
     const UNWRITTEN: Effect = Effect {
-        reads: &[Field::InscatterSky],
+        reads: &[Field::InscatterLights],
         writes: &[],
         ..effect(&[])
     };

@@ -314,7 +314,12 @@ fn a_moved_eye_keeps_the_scene_and_the_skys_light() {
             // A bright layer hides nothing of the others. Where a texel's centre lies on an edge to f32's last digit, the shadow
             // map may have the edge's other side: single pixels of sunlight differ by a per cent.
             let layers = layers_apart(&found.frame, &truth.frame);
-            let near = layers.iter().all(|(_, error)| *error <= 5e-4);
+            // A point of surfaces that two cells share is looked at for the one that asks first, some millimetres from the other's.
+            let most = |layer: &str| match layer {
+                "sky" | "indirect" => 5e-3,
+                _ => 5e-4,
+            };
+            let near = layers.iter().all(|(layer, error)| *error <= most(layer));
             assert!(near, "{name}, {way}: {layers:?}");
             let uploaded = found.traffic.uploaded;
             eprintln!(
@@ -322,7 +327,7 @@ fn a_moved_eye_keeps_the_scene_and_the_skys_light() {
                 way.length(),
                 found.made.maps
             );
-            assert!(error <= 5e-4, "{name}, {way}: {error}");
+            assert!(error <= 5e-3, "{name}, {way}: {error}");
             assert!(seen > 1e-2, "{name}, {way}: {seen}");
             assert!(found.made.maps > 0);
             let made = Made {
@@ -401,7 +406,7 @@ fn what_other_conditions_make_stale_is_made_again() {
             (
                 "finer lattices",
                 first.clone(),
-                &[("radiosity.bend", 0.005)],
+                &[("radiosity.bend", 0.005), ("radiosity.depth", 4.0)],
             ),
             ("a white ground", with(&ground), &[]),
             ("another sky", with(&sky), &[]),

@@ -135,7 +135,7 @@ pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
             format!("{} pixels at edges resampled", rendered.refined),
         );
     }
-    for note in &rendered.made.notes {
+    for note in &rendered.notes {
         line("light", note);
     }
     line("exposure", format!("EV100 {ev100:.2}"));

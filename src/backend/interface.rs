@@ -80,7 +80,7 @@ impl Backend {
                 kept.take_notes();
                 let mut rendered = Reference::keeping(plan, kept).render(limits, progress)?;
                 rendered.made.products = kept.take_made();
-                rendered.made.notes = kept.take_notes();
+                rendered.notes = kept.take_notes();
                 Ok(rendered)
             }
         }

@@ -58,6 +58,8 @@ pub struct Rendered {
     pub made: Made,
     /// From the first ray to the last.
     pub elapsed: Duration,
+    /// What effects say about what they made or used.
+    pub notes: Vec<String>,
 }
 
 /// A part of the work.
@@ -108,6 +110,4 @@ pub struct Made {
     pub maps: u32,
     /// Results of effects, by name.
     pub products: Vec<&'static str>,
-    /// What effects say about what they made or used.
-    pub notes: Vec<String>,
 }

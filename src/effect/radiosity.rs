@@ -30,7 +30,7 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "rays",
             meaning: "rays from a place, before outlines are refined",
-            values: [64.0, 100.0, 400.0, 4096.0],
+            values: [64.0, 100.0, 784.0, 4096.0],
             range: [4.0, 65536.0],
         },
         Knob {

@@ -183,7 +183,7 @@ fn report(
         "plan": tell::plan_json(plan),
         "size": [rendered.frame.width, rendered.frame.height],
         "refined_pixels": rendered.refined,
-        "notes": rendered.made.notes,
+        "notes": rendered.notes,
         "stages": work::stages_json(stages),
         "render_seconds": rendered.elapsed.as_secs_f64(),
         "work": work,

@@ -256,6 +256,7 @@ impl<'j> Job<'j> {
             refined: 0,
             made: self.made,
             elapsed: start.elapsed(),
+            notes: Vec::new(),
         })
     }
 

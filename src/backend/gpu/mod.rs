@@ -228,7 +228,7 @@ impl Gpu {
         let mut rendered = Job::new(plan, lent)?.render(limits, progress, growing)?;
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
-        rendered.made.notes = self.kept.take_notes();
+        rendered.notes = self.kept.take_notes();
         Ok(rendered)
     }
 }
