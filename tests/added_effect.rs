@@ -228,7 +228,10 @@ fn what_does_not_fit_is_refused() {
         },
     ]);
     for (effect, names) in [
-        (&UNWRITTEN, "reads `inscatter_lights`, which no effect before"),
+        (
+            &UNWRITTEN,
+            "reads `inscatter_lights`, which no effect before",
+        ),
         (&UNREAD, "says that it reads `surface`"),
         (&UNWRITING, "says that it writes or alters `lights`"),
         (&HIDDEN_READ, "does not say that it reads `transmittance`"),

@@ -225,7 +225,7 @@ fn a_speck_and_a_plain_in_one_scene_change_nothing() {
         // Patches of the slab grow with their distance from the room as those of the ground do, but other ones: single points see
         // the edge of the house's shade on it by patches of another size.
         let what = format!("on a slab of {size} m");
-        same(&mut off, &what, &found, &plain, 4.0 * SAME);
+        same(&mut off, &what, &found, &plain, 6.0 * SAME);
     }
     off.end();
 }

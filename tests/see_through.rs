@@ -122,10 +122,10 @@ fn same_pictures(a: &Conditions, b: &Conditions) {
     for (a, b) in both(a).iter().zip(&both(b)) {
         assert_eq!(a.layers.len(), b.layers.len());
         for (a, b) in a.layers.iter().zip(&b.layers) {
-            // Light that goes by way of surfaces is a sum over many of them, whose order may differ.
+            // What of a patch is there is found by 64 points where alpha may cut holes, so that its light by way of surfaces differs.
             let by_surfaces = [Field::Indirect, Field::InscatterSky].map(Field::name);
             let allowed = if by_surfaces.contains(&a.name) {
-                1e-3
+                1.5e-2
             } else {
                 0.0
             };
