@@ -155,7 +155,7 @@ fn under_an_open_uniform_sky_it_is_the_formula() {
             let most = match (name, phase == HAZY) {
                 ("a box", false) => 0.02,
                 ("a box", true) => 0.03,
-                _ => 0.15,
+                _ => 0.08,
             };
             assert!(off < most, "{name}, {phase:?}: {off}");
         }
