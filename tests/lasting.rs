@@ -401,8 +401,14 @@ fn what_other_conditions_make_stale_is_made_again() {
         let light = |c: &mut Conditions| c.sun.light.illuminance *= 0.5;
         let media = |c: &mut Conditions| c.air.media[0].absorption *= 20.0;
         let dark = |scene: &mut Scene| scene.materials[0].base_color *= 0.3;
-        let others: [(&str, Conditions, Settings); 7] = [
+        let others: [(&str, Conditions, Settings); 8] = [
             ("more rays", first.clone(), &[("radiosity.rays", 256.0)]),
+            // What the air's places have seen names patches that there are no more.
+            (
+                "fewer patches",
+                first.clone(),
+                &[("radiosity.patches", 100.0)],
+            ),
             ("a white ground", with(&ground), &[]),
             ("another sky", with(&sky), &[]),
             ("a weaker sun", with(&light), &[]),

@@ -15,7 +15,7 @@ use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings};
 use crate::colour::luminance;
 use crate::conditions::{Conditions, Input};
 use crate::radiosity::Care;
-use crate::radiosity::air::{AirLight, Fineness, Lattice};
+use crate::radiosity::air::{self, Fineness, Lattice, Picture};
 use glam::{DVec3, UVec2};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -67,9 +67,7 @@ pub const AIR_SKY: Effect = Effect {
     ],
     decide,
     reference: |conditions, settings, kept| {
-        let Some(light) = air_light(conditions, settings, kept) else {
-            return Box::new(|_| {});
-        };
+        let light = air_light(conditions, settings, kept);
         let before_sky = conditions.air.before_sky();
         Box::new(move |fields| {
             let mut sight = light.sight();
@@ -91,48 +89,42 @@ fn centre(pixel: UVec2) -> glam::DVec2 {
     pixel.as_dvec2() + 0.5
 }
 
-/// What comes to places of the air from whom.
+/// What comes to places of the air from whom: of the transport, whose patches it names.
 const LATTICE: Keep = Keep {
     name: "who lights the air",
     reads: &[Input::Geometry, Input::Materials, Input::Extinction],
 };
 
-/// What the air of a picture sends to the eye.
+/// What the air of a picture sends to the eye: of [`LATTICE`], and of the light of all sources.
 const PICTURE: Keep = Keep {
     name: "the air's light in the picture",
-    reads: &[
-        Input::Geometry,
-        Input::Materials,
-        Input::Media,
-        Input::Sky,
-        Input::Sun,
-        Input::View,
-    ],
+    reads: &[Input::Geometry, Input::Media, Input::View],
 };
 
-fn air_light(
-    conditions: &Conditions,
-    settings: &Settings<'_>,
-    kept: &Kept,
-) -> Option<Arc<AirLight>> {
+fn air_light(conditions: &Conditions, settings: &Settings<'_>, kept: &Kept) -> Arc<Picture> {
     let (transport, light) = shared(conditions, kept);
-    let care = Care {
-        rays: settings.get("rays") as usize,
-        outline: settings.get("outline"),
-    };
-    let lattice = kept.get(&LATTICE, conditions, settings, || {
-        Arc::new(Lattice::new(transport, conditions.geometry.clone(), care))
+    let lattice = kept.get_from(&LATTICE, conditions, settings, &[transport.clone()], || {
+        let care = Care {
+            rays: settings.get("rays") as usize,
+            outline: settings.get("outline"),
+        };
+        Lattice::new(transport, conditions.geometry.clone(), care)
     });
-    let lattice = lattice.as_ref().clone();
-    let fineness = Fineness {
-        columns: settings.get("columns"),
-        spacing: settings.get("spacing"),
-        difference: settings.get("difference"),
-        finest: settings.get("finest"),
-    };
-    Some(kept.get(&PICTURE, conditions, settings, || {
-        AirLight::new(conditions, lattice, light, fineness)
-    }))
+    kept.get_from(
+        &PICTURE,
+        conditions,
+        settings,
+        &[lattice.clone(), light.clone()],
+        || {
+            let fineness = Fineness {
+                columns: settings.get("columns"),
+                spacing: settings.get("spacing"),
+                difference: settings.get("difference"),
+                finest: settings.get("finest"),
+            };
+            air::picture(conditions, lattice, light, fineness)
+        },
+    )
 }
 
 fn decide(conditions: &Conditions) -> Decision {

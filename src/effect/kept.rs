@@ -18,7 +18,18 @@ struct Entry {
     name: &'static str,
     settings: Vec<(&'static str, f64)>,
     made_of: Snapshot,
-    value: Arc<dyn Any + Send + Sync>,
+    parents: Vec<Shared>,
+    value: Shared,
+}
+
+/// A kept result of any type.
+pub type Shared = Arc<dyn Any + Send + Sync>;
+
+impl Entry {
+    fn is_of(&self, parents: &[Shared]) -> bool {
+        let same = |(a, b): (&Shared, &Shared)| Arc::ptr_eq(a, b);
+        self.parents.len() == parents.len() && self.parents.iter().zip(parents).all(same)
+    }
 }
 
 /// Results kept from frame to frame, one of each name and effect. Whoever renders many frames holds on to one of these.
@@ -38,11 +49,24 @@ impl Kept {
         settings: &Settings<'_>,
         make: impl FnOnce() -> T,
     ) -> Arc<T> {
+        self.get_from(keep, conditions, settings, &[], make)
+    }
+
+    /// The same of a result that is made of other kept results too, `parents`: it ends when one of these is another one.
+    pub fn get_from<T: Any + Send + Sync>(
+        &self,
+        keep: &Keep,
+        conditions: &Conditions,
+        settings: &Settings<'_>,
+        parents: &[Shared],
+        make: impl FnOnce() -> T,
+    ) -> Arc<T> {
         let lock = || self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock().iter().find_map(|entry| {
             let same = entry.effect == settings.effect
                 && entry.name == keep.name
                 && entry.settings == settings.values
+                && entry.is_of(parents)
                 && entry.made_of.still_holds(conditions, keep.reads);
             same.then(|| entry.value.clone())
         });
@@ -62,6 +86,7 @@ impl Kept {
             name: keep.name,
             settings: settings.values.to_vec(),
             made_of: conditions.snapshot(keep.reads),
+            parents: parents.to_vec(),
             value: value.clone(),
         });
         drop(entries);

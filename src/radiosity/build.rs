@@ -130,7 +130,7 @@ impl Transport {
         let mut seen = Row::new();
         for k in 0..spots {
             let spot = own.spot(&spread(k, patch as u64));
-            let origin = spot.point + self.near(spot.point) * spot.normal;
+            let origin = spot.lifted(self.near(spot.point));
             for arrival in self.gather(origin, &Map::before(spot.normal), SPOT) {
                 if is_outside(arrival.source) {
                     let share = arrival.share / spots as f32;
@@ -154,8 +154,7 @@ impl Transport {
 
     /// Looks for openings from the patches that light reaches.
     fn find_openings(&self, lit: &[bool]) -> Openings {
-        let transport = self;
-        let all = &transport.patches.all;
+        let all = &self.patches.all;
         let reached: Vec<usize> = (0..all.len())
             .filter(|patch| lit[*patch] && all[*patch].area > 0.0)
             .collect();
@@ -165,7 +164,7 @@ impl Transport {
             .step_by(stride)
             .filter_map(|patch| {
                 let spot = all[*patch].spot(&spread(0, *patch as u64));
-                let found = transport.openings_before(spot.point, spot.normal)?;
+                let found = self.openings_before(spot.point, spot.normal)?;
                 Some((spot, found))
             })
             .collect();
@@ -178,20 +177,20 @@ impl Transport {
             .collect();
         let found = looks.into_iter().flat_map(|(_, found)| found);
         let found = found.map(|point| (point, 0)).collect();
-        let extent = transport.conditions.geometry.extent();
+        let extent = self.conditions.geometry.extent();
         let (found, _) = thinned(found, JUDGED, 1e-4 * extent);
         let mut judged: Vec<(DVec3, usize)> = found
             .into_par_iter()
             .map(|(point, _)| {
                 let through = judges.iter().filter(|judge| {
                     let way = (point - judge.point).normalize_or_zero();
-                    let near = transport.near(judge.point);
+                    let near = self.near(judge.point);
                     way.dot(judge.normal) > 0.0 && {
-                        let look = transport.look(&Ray {
-                            origin: judge.point + near * judge.normal,
+                        let look = self.look(&Ray {
+                            origin: judge.lifted(near),
                             direction: way,
                         });
-                        transport.is_bright(look.source)
+                        self.is_bright(look.source)
                     }
                 });
                 (point, through.count())

@@ -7,6 +7,8 @@
 use super::planes::{Plane, Surfaces, corners};
 use crate::conditions::Conditions;
 use glam::{DVec2, DVec3};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// One side of a plane, or of the ground.
 pub(super) struct Face {
@@ -99,6 +101,7 @@ fn code(cuts: &[(DVec2, f64)], at: DVec2) -> u32 {
 
 /// A square to be quartered or kept.
 struct Open {
+    face: usize,
     node: usize,
     low: DVec2,
     side: f64,
@@ -175,39 +178,38 @@ pub(super) fn faces(
     most: usize,
 ) -> (Vec<Face>, bool) {
     let mut faces = Vec::new();
-    let mut open: Vec<(f64, usize, Open)> = Vec::new();
+    let mut queue = Queue::default();
+    let mut add = |plane: Plane, low: DVec2, side: f64, pieces: Vec<(u32, Vec<DVec2>)>| {
+        let (face, node) = (faces.len(), 0);
+        queue.push(Open {
+            face,
+            node,
+            low,
+            side,
+            pieces,
+        });
+        faces.push(Face::whole(plane, low, side));
+    };
     for plane in &surfaces.planes {
-        for back in [false, true] {
-            let mut own = plane.clone();
-            own.triangles = plane.triangles.clone();
-            let mut pieces = Vec::new();
-            for &triangle in &plane.triangles {
-                let flat = corners(conditions, triangle).map(|p| plane.flat(p));
-                pieces.push((triangle, flat.to_vec()));
-            }
-            if back {
-                own.normal = -plane.normal;
-            }
+        for normal in [plane.normal, -plane.normal] {
+            let piece = |triangle: &u32| {
+                let flat = corners(conditions, *triangle).map(|p| plane.flat(p));
+                (*triangle, flat.to_vec())
+            };
+            let own = Plane {
+                normal,
+                triangles: Vec::new(),
+                ..plane.clone()
+            };
             let side = plane.extent();
             let low = 0.5 * (plane.low + plane.high) - 0.5 * side;
-            open.push((
-                side,
-                faces.len(),
-                Open {
-                    node: 0,
-                    low,
-                    side,
-                    pieces,
-                },
-            ));
-            faces.push(Face::whole(own, low, side));
+            add(own, low, side, plane.triangles.iter().map(piece).collect());
         }
     }
     if let Some(ground) = conditions.ground {
         let (low, high) = conditions.geometry.bounds();
         let middle = 0.5 * (low + high);
         let origin = DVec3::new(middle.x, ground.height, middle.z);
-        let plane = Plane::new(origin, DVec3::Y);
         let side = GROUND * (high - low).length().max(1e-3);
         let low = DVec2::splat(-0.5 * side);
         let square = vec![
@@ -217,31 +219,12 @@ pub(super) fn faces(
             low + DVec2::new(0.0, side),
         ];
         let pieces = vec![(GROUND_TRIANGLE, square)];
-        open.push((
-            side,
-            faces.len(),
-            Open {
-                node: 0,
-                low,
-                side,
-                pieces,
-            },
-        ));
-        faces.push(Face::whole(plane, low, side));
+        add(Plane::new(origin, DVec3::Y), low, side, pieces);
     }
-    // The largest squares are quartered first, so that where there are too many all are coarse alike.
-    let mut heap = std::collections::BinaryHeap::new();
-    let mut waiting: Vec<Option<(usize, Open)>> = Vec::new();
-    for (side, face, square) in open {
-        heap.push((Side(side), std::cmp::Reverse(waiting.len())));
-        waiting.push(Some((face, square)));
-    }
-    let mut leaves = heap.len();
+    let mut leaves = faces.len();
     let mut coarse = false;
-    while let Some((_, std::cmp::Reverse(index))) = heap.pop() {
-        let Some((number, square)) = waiting[index].take() else {
-            continue;
-        };
+    while let Some(square) = queue.pop() {
+        let number = square.face;
         let face = &mut faces[number];
         let wants = wants_quarters(face, surfaces, &square, share);
         if !wants || leaves + 3 > most {
@@ -271,18 +254,37 @@ pub(super) fn faces(
                 .collect();
             if !pieces.is_empty() {
                 leaves += 1;
-                heap.push((Side(half), std::cmp::Reverse(waiting.len())));
-                let square = Open {
+                queue.push(Open {
+                    face: number,
                     node: first + quarter,
                     low,
                     side: half,
                     pieces,
-                };
-                waiting.push(Some((number, square)));
+                });
             }
         }
     }
     (faces, coarse)
+}
+
+/// Squares, the largest first, so that where there are too many all are coarse alike; of one size those that came first.
+#[derive(Default)]
+struct Queue {
+    order: BinaryHeap<(Side, Reverse<usize>)>,
+    squares: Vec<Option<Open>>,
+}
+
+impl Queue {
+    fn push(&mut self, square: Open) {
+        self.order
+            .push((Side(square.side), Reverse(self.squares.len())));
+        self.squares.push(Some(square));
+    }
+
+    fn pop(&mut self) -> Option<Open> {
+        let (_, Reverse(index)) = self.order.pop()?;
+        self.squares[index].take()
+    }
 }
 
 /// The side of the square of ground that has patches of its own, over the scene's diagonal.
@@ -320,21 +322,13 @@ fn wants_quarters(face: &Face, surfaces: &Surfaces, square: &Open, share: f64) -
     }
     let (mut low, mut high) = around(&square.pieces);
     let plane = &face.plane;
-    let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut reach = square.side;
     if square.pieces.iter().any(|(t, _)| *t == GROUND_TRIANGLE) {
         // What stands high above the ground shades it far away.
         reach *= 2.0;
         (low, high) = (low - 0.5 * reach, high + 0.5 * reach);
     }
-    for x in [low.x, high.x] {
-        for y in [low.y, high.y] {
-            for height in [0.0, reach] {
-                let p = plane.point(DVec2::new(x, y)) + height * plane.normal;
-                bounds = (bounds.0.min(p), bounds.1.max(p));
-            }
-        }
-    }
+    let bounds = plane.space([low, high], [0.0, reach]);
     // What only touches the border of a square stands near its neighbour too.
     surfaces.holds_smaller(bounds.0, bounds.1, least)
 }
@@ -418,15 +412,7 @@ fn cuts(
     let plane = &face.plane;
     let (low, high) = (square.low, square.low + square.side);
     let lift = 1e-4 * square.side;
-    let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for x in [low.x, high.x] {
-        for y in [low.y, high.y] {
-            for height in [lift, 2.0 * lift] {
-                let p = plane.point(DVec2::new(x, y)) + height * plane.normal;
-                bounds = (bounds.0.min(p), bounds.1.max(p));
-            }
-        }
-    }
+    let bounds = plane.space([low, high], [lift, 2.0 * lift]);
     // Lines by direction and distance, and how much of them lies in the square.
     let mut lines: Vec<(DVec2, f64, f64)> = Vec::new();
     surfaces.within(bounds.0, bounds.1, |triangle| {

@@ -24,7 +24,7 @@ pub type Received = [DVec3; 2];
 /// The light of a moment on surfaces.
 pub struct Lattice {
     /// By patch.
-    parts: Vec<OnceLock<Option<Box<Node>>>>,
+    parts: Vec<OnceLock<Box<Node>>>,
     /// By triangle and side.
     bent: Shards<(u32, bool), [Received; 3]>,
     open_ground: Received,
@@ -62,7 +62,7 @@ impl Lattice {
         }
     }
 
-    /// What a triangle receives at a point on one side, by the weights of its second and third vertex. `normal` is that of shading.
+    /// What a triangle receives at a point on one side, by the weights of its second and third vertex; `facet` is its normal on that side.
     pub fn on_triangle(
         &self,
         transport: &Transport,
@@ -117,11 +117,8 @@ impl Lattice {
             part,
             inset: INSET * cell.side,
         };
-        let root = self.parts[part.patch as usize].get_or_init(|| {
-            let node = look.node(part.low, part.high, 0);
-            Some(Box::new(node))
-        });
-        let mut node = root.as_deref()?;
+        let root = &self.parts[part.patch as usize];
+        let mut node = &**root.get_or_init(|| Box::new(look.node(part.low, part.high, 0)));
         loop {
             let quarters = node
                 .quarters

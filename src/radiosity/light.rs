@@ -186,7 +186,7 @@ fn sun_on(transport: &Transport, conditions: &Conditions, patch: usize) -> DVec3
                 continue;
             }
             let ray = Ray {
-                origin: spot.point + near * spot.normal,
+                origin: spot.lifted(near),
                 direction: sun.toward,
             };
             let through = conditions.geometry.transmittance(&ray, 0.0, f64::INFINITY);

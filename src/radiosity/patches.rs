@@ -57,6 +57,13 @@ pub(super) struct Spot {
     triangle: u32,
 }
 
+impl Spot {
+    /// Where rays begin that leave from it: `near` [m] above the surface.
+    pub fn lifted(&self, near: f64) -> DVec3 {
+        self.point + near * self.normal
+    }
+}
+
 impl Patches {
     /// Divides all surfaces of a scene. A patch is at most `share` as large as what stands next to it, if `most` allows.
     pub fn new(conditions: &Conditions, share: f64, most: usize) -> Self {
@@ -262,7 +269,7 @@ impl Patch {
         let (tangent, bitangent) = spot.normal.any_orthonormal_pair();
         let d = cosine_law(by[3], by[4]);
         Ray {
-            origin: spot.point + near * spot.normal,
+            origin: spot.lifted(near),
             direction: tangent * d.x + bitangent * d.y + spot.normal * d.z,
         }
     }

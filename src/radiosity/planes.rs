@@ -58,6 +58,24 @@ impl Plane {
         self.origin + at.x * self.axes[0] + at.y * self.axes[1]
     }
 
+    /// The least box around a rectangle of it at two heights above it [m].
+    pub fn space(&self, rectangle: [DVec2; 2], heights: [f64; 2]) -> (DVec3, DVec3) {
+        let [low, high] = rectangle;
+        let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for at in [
+            low,
+            high,
+            DVec2::new(low.x, high.y),
+            DVec2::new(high.x, low.y),
+        ] {
+            for height in heights {
+                let p = self.point(at) + height * self.normal;
+                bounds = (bounds.0.min(p), bounds.1.max(p));
+            }
+        }
+        bounds
+    }
+
     /// The longer side of the rectangle [m].
     pub fn extent(&self) -> f64 {
         (self.high - self.low).max_element().max(0.0)

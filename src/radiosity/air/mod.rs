@@ -37,77 +37,48 @@ mod sphere;
 
 pub use fineness::Fineness;
 pub use lattice::Lattice;
+pub use picture::Picture;
 
 use super::light::Light;
 use crate::conditions::Conditions;
-use crate::medium::{Shape, Sight, kinds};
-use crate::scene::Ray;
+use crate::medium::{Shape, kinds};
 use around::{Around, bounds};
 use enclosed::{Enclosed, Eye, surroundings};
-use glam::{DVec2, DVec3};
 use knots::Knots;
 use open::OpenAir;
-use picture::Picture;
 use source::Lobes;
 use std::sync::Arc;
 
-/// The air's light in the picture of one view, at a moment.
-pub struct AirLight {
-    picture: Picture,
-}
-
-impl AirLight {
-    /// Prepares it; it is found as rays ask for it. `lattice` is that of the same geometry, materials and media, `light` that of
-    /// the moment.
-    pub fn new(
-        conditions: &Conditions,
-        lattice: Arc<Lattice>,
-        light: Arc<Light>,
-        fineness: Fineness,
-    ) -> Self {
-        let kinds = kinds(&conditions.air);
-        let lobes = Arc::new(Lobes::new(&kinds));
-        let eye = Eye::new(conditions);
-        let size = bounds(conditions).map_or(100.0, |[low, high]| (high - low).length());
-        // J changes over a box of fog as it does among walls.
-        let narrowest = conditions.air.media.iter().filter_map(|m| match m.shape {
-            Shape::Box { min, max } => Some(0.25 * (max - min).min_element()),
-            _ => None,
-        });
-        let otherwise = narrowest.fold(0.3 * size, f64::min).max(1e-9 * size);
-        let near = surroundings(conditions, eye, otherwise);
-        // J is looked up more often along a ray than it is found.
-        let step = 0.5 * fineness.spacing;
-        let knots = match eye {
-            Eye::At(place) => {
-                let dense = conditions.air.extinction_at(place).max_element();
-                Knots::new(step, near, dense)
-            }
-            Eye::Parallel(_, height) => Knots::new(step, 0.5 * height, 0.0),
-        };
-        let open = OpenAir::new(conditions, &light, lobes.clone());
-        let enclosed = Enclosed::new(lattice, light, lobes, conditions, fineness, near);
-        let around = Around::new(conditions, enclosed, open);
-        AirLight {
-            picture: Picture::new(conditions, around, kinds, knots, fineness.columns),
+/// The air's light in the picture of one view, at a moment: found as rays ask for it. `lattice` is that of the same geometry, materials and media, `light` that of
+/// the moment.
+pub fn picture(
+    conditions: &Conditions,
+    lattice: Arc<Lattice>,
+    light: Arc<Light>,
+    fineness: Fineness,
+) -> Picture {
+    let kinds = kinds(&conditions.air);
+    let lobes = Arc::new(Lobes::new(&kinds));
+    let eye = Eye::new(conditions);
+    let size = bounds(conditions).map_or(100.0, |[low, high]| (high - low).length());
+    // J changes over a box of fog as it does among walls.
+    let narrowest = conditions.air.media.iter().filter_map(|m| match m.shape {
+        Shape::Box { min, max } => Some(0.25 * (max - min).min_element()),
+        _ => None,
+    });
+    let otherwise = narrowest.fold(0.3 * size, f64::min).max(1e-9 * size);
+    let near = surroundings(conditions, eye, otherwise);
+    // J is looked up more often along a ray than it is found.
+    let step = 0.5 * fineness.spacing;
+    let knots = match eye {
+        Eye::At(place) => {
+            let dense = conditions.air.extinction_at(place).max_element();
+            Knots::new(step, near, dense)
         }
-    }
-
-    /// What weighs the air along rays: one for each thread.
-    pub fn sight(&self) -> Sight {
-        self.picture.sight()
-    }
-
-    /// The light [cd/m2] on a ray through a position of the picture [pixels] as far as `distance` [m], where a surface is met
-    /// (`is_met`) or the air ends.
-    pub fn light(
-        &self,
-        position: DVec2,
-        ray: &Ray,
-        distance: f64,
-        is_met: bool,
-        sight: &mut Sight,
-    ) -> DVec3 {
-        self.picture.light(position, ray, distance, is_met, sight)
-    }
+        Eye::Parallel(_, height) => Knots::new(step, 0.5 * height, 0.0),
+    };
+    let open = OpenAir::new(conditions, &light, lobes.clone());
+    let enclosed = Enclosed::new(lattice, light, lobes, conditions, fineness, near);
+    let around = Around::new(conditions, enclosed, open);
+    Picture::new(conditions, around, kinds, knots, fineness.columns)
 }
