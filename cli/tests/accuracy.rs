@@ -1,8 +1,9 @@
 //! `tyndall accuracy --effect shafts` and `--effect radiosity` from the outside: table, JSON, CSV, plot and pictures.
 
+mod common;
+
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 use tyndall::backend::gpu::adapters;
 
 /// Notes that a test could not run and why, as the library's tests do.
@@ -33,20 +34,41 @@ fn gpu(test: &str) -> bool {
     found
 }
 
-/// What the command prints for the slats at a tiny size.
-fn study(folder: &Path, more: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_tyndall"))
-        .current_dir(folder)
-        .args(["accuracy", "--effect", "shafts", "--study", "slats"])
-        .args(["--study-size", "32x32", "--frames", "1"])
-        .args(["--set", "shadow.resolution=512"])
-        .args(more)
-        .output()
-        .expect("tyndall starts");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
+/// What a study prints.
+fn printed(folder: &Path, study: &[&str], more: &[&str]) -> String {
+    let arguments = [&["accuracy", "--frames", "1"], study, more].concat();
+    let output = common::tyndall(folder, &arguments);
+    assert!(output.status.success(), "{}", common::stderr(&output));
     String::from_utf8(output.stdout).expect("the output is UTF-8")
 }
+
+/// The study of light in the air, of the slats at a tiny size.
+const SHAFTS: &[&str] = &[
+    "--effect",
+    "shafts",
+    "--study",
+    "slats",
+    "--study-size",
+    "32x32",
+    "--set",
+    "shadow.resolution=512",
+];
+
+/// The study of light from sky and surfaces, of the court at a tiny size; few patches, but where their number is tried.
+const RADIOSITY: &[&str] = &[
+    "--effect",
+    "radiosity",
+    "--study",
+    "court",
+    "--study-size",
+    "12x8",
+    "--backend",
+    "reference",
+    "--set",
+    "radiosity.patches=300",
+    "--set",
+    "radiosity.patch_rays=5000",
+];
 
 #[test]
 fn the_study_of_shafts_has_its_table_its_plot_and_its_pictures() {
@@ -55,7 +77,7 @@ fn the_study_of_shafts_has_its_table_its_plot_and_its_pictures() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let files = ["--plot", "cost.html", "--pictures", "pictures"];
-    let table = study(folder.path(), &files);
+    let table = printed(folder.path(), SHAFTS, &files);
     for words in [
         "medians of 1 frames",
         "slats, 32 x 32",
@@ -83,7 +105,7 @@ fn the_study_of_shafts_as_json_and_csv() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let only = ["--method", "planes"];
-    let json = study(folder.path(), &[&only[..], &["--json"]].concat());
+    let json = printed(folder.path(), SHAFTS, &[&only[..], &["--json"]].concat());
     let json: Value = serde_json::from_str(&json).expect("it is JSON");
     let rows = json.as_array().expect("a list of rows");
     let methods: Vec<&str> = rows.iter().filter_map(|r| r["method"].as_str()).collect();
@@ -101,7 +123,7 @@ fn the_study_of_shafts_as_json_and_csv() {
     }
     assert!(rows.iter().any(|row| row["front_by_reads"] == true));
 
-    let csv = study(folder.path(), &[&only[..], &["--csv"]].concat());
+    let csv = printed(folder.path(), SHAFTS, &[&only[..], &["--csv"]].concat());
     let mut lines = csv.lines();
     let heads = lines.next().expect("a line of names");
     for name in ["scene", "adapter", "setting", "relative_rmse", "hdr_flip"] {
@@ -116,28 +138,10 @@ fn the_study_of_shafts_as_json_and_csv() {
     assert_eq!(counts, vec![cells(heads); rows.len()], "{csv}");
 }
 
-/// What the study of light from sky and surfaces prints for the court at a tiny size.
-fn radiosity(folder: &Path, more: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_tyndall"))
-        .current_dir(folder)
-        .args(["accuracy", "--effect", "radiosity", "--study", "court"])
-        .args(["--study-size", "12x8", "--frames", "1"])
-        .args(["--backend", "reference"])
-        // Few patches, but where their number is tried.
-        .args(["--set", "radiosity.patches=300"])
-        .args(["--set", "radiosity.patch_rays=5000"])
-        .args(more)
-        .output()
-        .expect("tyndall starts");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}");
-    String::from_utf8(output.stdout).expect("the output is UTF-8")
-}
-
 #[test]
 fn the_study_of_radiosity_has_its_table_its_plot_and_its_rows() {
     let folder = tempfile::tempdir().expect("a folder");
-    let table = radiosity(folder.path(), &[]);
+    let table = printed(folder.path(), RADIOSITY, &[]);
     for words in [
         "medians of 1 frames",
         "court, 12 x 8",
@@ -147,7 +151,7 @@ fn the_study_of_radiosity_has_its_table_its_plot_and_its_rows() {
         assert!(table.contains(words), "`{words}` is not in\n{table}");
     }
 
-    let json = radiosity(folder.path(), &["--json", "--plot", "cost.svg"]);
+    let json = printed(folder.path(), RADIOSITY, &["--json", "--plot", "cost.svg"]);
     let plot = std::fs::read_to_string(folder.path().join("cost-court.svg")).expect("a plot");
     assert!(plot.contains("Light from sky and surfaces: court"));
     let json: Value = serde_json::from_str(&json).expect("it is JSON");

@@ -1,5 +1,7 @@
 //! Batches as streams: rows come out as they go in, in bounded memory, whatever is behind the name.
 
+mod common;
+
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -101,25 +103,11 @@ fn memory_does_not_grow_with_the_input() {
             true => &["sky", "--batch", "-", "--strict"],
             false => &["sky", "--batch", "-"],
         };
-        let mut child = start(arguments);
-        let mut stdin = child.stdin.take().expect("it is piped");
-        let mut stdout = child.stdout.take().expect("it is piped");
-        let reader = std::thread::spawn(move || std::io::copy(&mut stdout, &mut std::io::sink()));
         let head = "model,sun_elevation,view_azimuth,view_elevation\n";
-        stdin.write_all(head.as_bytes()).expect("it reads");
         let block = "preetham,30,10,20.5\n".repeat(1000);
-        for _ in 0..rows / 1000 {
-            stdin.write_all(block.as_bytes()).expect("it reads");
-        }
-        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
-        let status = status.expect("it runs");
-        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        let peak = peak.and_then(|rest| rest.split_whitespace().next()?.parse::<u64>().ok());
-        drop(stdin);
-        assert!(child.wait().expect("it ends").success());
-        let bytes = reader.join().expect("it reads").expect("all comes");
+        let (peak, bytes) = common::peak_memory(start(arguments), head, &block, rows / 1000);
         assert!(bytes > 50 * rows as u64);
-        peak.expect("KiB")
+        peak
     };
     // 0.6 million rows are 60 MB of output; what waits with --strict waits in a file beyond 16 MiB.
     assert!(most(600_000, false) < 60 << 10);

@@ -277,7 +277,7 @@ fn rows_come_out_as_they_went_in_however_many_there_are() {
 fn memory_does_not_grow_with_the_points() {
     let scene = Scene::open(1e5, "");
     let most = |points: usize| {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_tyndall"))
+        let child = Command::new(env!("CARGO_BIN_EXE_tyndall"))
             .current_dir(scene.path())
             .args([
                 "daylight",
@@ -294,23 +294,10 @@ fn memory_does_not_grow_with_the_points() {
             .stderr(Stdio::null())
             .spawn()
             .expect("tyndall starts");
-        let mut stdin = child.stdin.take().expect("it is piped");
-        let mut stdout = child.stdout.take().expect("it is piped");
-        let reader = std::thread::spawn(move || std::io::copy(&mut stdout, &mut std::io::sink()));
-        stdin.write_all(b"x,y,z\n").expect("it reads");
         let block = "1.25,0.5,-3\n".repeat(1000);
-        for _ in 0..points / 1000 {
-            stdin.write_all(block.as_bytes()).expect("it reads");
-        }
-        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
-        let status = status.expect("it runs");
-        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        let peak = peak.and_then(|rest| rest.split_whitespace().next()?.parse::<u64>().ok());
-        drop(stdin);
-        assert!(child.wait().expect("it ends").success());
-        let bytes = reader.join().expect("it reads").expect("all comes");
+        let (peak, bytes) = common::peak_memory(child, "x,y,z\n", &block, points / 1000);
         assert!(bytes > 20 * points as u64);
-        peak.expect("KiB")
+        peak
     };
     // As pixels of one frame, with their rays and what these meet, they would take more than 100 MB.
     let peak = most(200_000);
