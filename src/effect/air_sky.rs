@@ -10,6 +10,7 @@
 //!
 //! Neglected: light that is scattered more than once.
 
+use super::kept::Shared;
 use super::radiosity::shared;
 use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings};
 use crate::colour::luminance;
@@ -103,7 +104,8 @@ const PICTURE: Keep = Keep {
 
 fn air_light(conditions: &Conditions, settings: &Settings<'_>, kept: &Kept) -> Arc<Picture> {
     let (transport, light) = shared(conditions, kept);
-    let lattice = kept.get_from(&LATTICE, conditions, settings, &[transport.clone()], || {
+    let seen_by: [Shared; 1] = [transport.clone()];
+    let lattice = kept.get_from(&LATTICE, conditions, settings, &seen_by, || {
         let care = Care {
             rays: settings.get("rays") as usize,
             outline: settings.get("outline"),
