@@ -162,7 +162,7 @@ impl Lattice {
         }
     }
 
-    /// Which of the [`PAIRS`] of a cell's corners see each other, bit by bit.
+    /// Which of the `PAIRS` of a cell's corners see each other, bit by bit.
     pub fn pairs(&self, cell: Place) -> u16 {
         *self.pairs.place(cell).get_or_init(|| {
             let corners = cell.corners().map(|corner| corner.position());
