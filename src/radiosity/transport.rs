@@ -22,7 +22,7 @@ pub struct Detail {
     pub patch: f64,
     /// The most patches.
     pub patches: usize,
-    /// Rays from all patches together; none sends fewer than [`FEW`].
+    /// Rays from all patches together; none sends fewer than 16.
     pub patch_rays: usize,
     /// Points on patches from where openings are looked at closely: of all patches that see the outside through small openings, the
     /// largest.
