@@ -30,13 +30,13 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "rays",
             meaning: "rays from a place, before outlines are refined",
-            values: [64.0, 100.0, 784.0, 4096.0],
+            values: [64.0, 100.0, 784.0, 2500.0],
             range: [4.0, 65536.0],
         },
         Knob {
             name: "outline",
             meaning: "share of a place's light that may be uncertain at outlines",
-            values: [0.2, 0.08, 0.005, 0.001],
+            values: [0.2, 0.08, 0.005, 0.0015],
             range: [1e-5, 1.0],
         },
         Knob {
@@ -48,25 +48,25 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "patches",
             meaning: "the most patches",
-            values: [4e3, 2.4e4, 4e4, 1e5],
+            values: [4e3, 2.4e4, 4e4, 6e4],
             range: [16.0, 1e6],
         },
         Knob {
             name: "patch_rays",
             meaning: "rays from all patches together",
-            values: [1e5, 5e5, 4e6, 4e7],
+            values: [1e5, 5e5, 4e6, 1.2e7],
             range: [16.0, 1e9],
         },
         Knob {
             name: "patch_spots",
             meaning: "points of patches from which small openings are looked at",
-            values: [0.0, 1.5e3, 1e4, 1e5],
+            values: [0.0, 1.5e3, 1e4, 3e4],
             range: [0.0, 1e7],
         },
         Knob {
             name: "bend",
             meaning: "share of light by which the middle between points may be off what they say",
-            values: [0.3, 0.15, 0.04, 0.01],
+            values: [0.3, 0.15, 0.04, 0.02],
             range: [1e-4, 10.0],
         },
         Knob {
@@ -78,7 +78,7 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "unshot",
             meaning: "share of the light that may remain unshot",
-            values: [1e-2, 1e-3, 1e-4, 1e-6],
+            values: [1e-2, 1e-3, 1e-4, 1e-5],
             range: [1e-9, 0.5],
         },
     ],
