@@ -385,3 +385,248 @@ fn inside(tree: &Bvh2, at: usize) -> Vec<u32> {
     }
     slots
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::geometry::intersect;
+    use crate::scene::{Geometry, Hit, Ray};
+    use crate::studies::scenes::{quad, scene};
+
+    type Triangle = [DVec3; 3];
+
+    /// Numbers that look like chance (Steele, Lea & Flood 2014).
+    struct Chance(u64);
+
+    impl Chance {
+        fn number(&mut self) -> f64 {
+            self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+            let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            ((mixed ^ (mixed >> 31)) >> 11) as f64 * 0.5f64.powi(53)
+        }
+
+        fn between(&mut self, low: f64, high: f64) -> f64 {
+            low + (high - low) * self.number()
+        }
+
+        /// One of `count`.
+        fn one(&mut self, count: usize) -> usize {
+            (self.number() * count as f64) as usize
+        }
+
+        fn cube(&mut self) -> DVec3 {
+            DVec3::from_array([(); 3].map(|()| self.between(-1.0, 1.0)))
+        }
+
+        fn direction(&mut self) -> DVec3 {
+            self.cube().normalize()
+        }
+
+        /// A corner, a point of an edge, or one inside.
+        fn point(&mut self, [a, b, c]: &Triangle) -> DVec3 {
+            let (s, t) = (self.number(), self.number());
+            match self.one(3) {
+                0 => [*a, *b, *c][self.one(3)],
+                1 => a.lerp(*b, s),
+                _ => a.lerp(b.lerp(*c, s), t),
+            }
+        }
+
+        fn triangle(&mut self, middle: DVec3, size: f64) -> Triangle {
+            [(); 3].map(|()| middle + size * self.cube())
+        }
+
+        /// At a point of a triangle: from anywhere, or parallel to one or two axes.
+        fn ray(&mut self, triangle: &Triangle, distance: f64) -> Ray {
+            let target = self.point(triangle);
+            let mut direction = self.direction();
+            for _ in 0..self.one(3) {
+                direction[self.one(3)] = 0.0;
+            }
+            let direction = direction.try_normalize().unwrap_or(DVec3::NEG_Y);
+            Ray {
+                origin: target - distance * direction,
+                direction,
+            }
+        }
+    }
+
+    #[test]
+    fn no_triangle_that_is_hit_is_left_out() {
+        let mut chance = Chance(1);
+        let extent = 2000.0;
+        let (mut hits, mut named, mut tests) = (0, 0, 0);
+        for _ in 0..1_000_000 {
+            let size = 10f64.powf(chance.between(-8.0, 2.7));
+            let middle = 0.27 * extent * chance.cube();
+            let triangle = chance.triangle(middle, size);
+            let distance = 0.5 * extent * chance.number();
+            let mut ray = chance.ray(&triangle, distance);
+            if chance.number() < 0.5 {
+                // Beside it.
+                let direction = ray.direction + size / distance * chance.cube();
+                ray.direction = direction.normalize();
+            }
+            let skip = match chance.number() < 0.5 {
+                true => extent * 10f64.powf(chance.between(0.0, 4.0)),
+                false => 0.0,
+            };
+            ray.origin -= skip * ray.direction;
+            let start = ray.origin + skip * ray.direction;
+            let reach = ray.origin.length() + extent;
+            let box_ray = BoxRay::new(start, ray.direction, reach);
+            assert!(box_ray.inverse.is_finite(), "{ray:?}");
+            let packet = Packet::new(&[triangle], &[0], 1.0, extent);
+            let may = packet.may_meet(
+                splat(box_ray.origin),
+                splat(box_ray.direction),
+                Vec4::splat(box_ray.noise),
+            );
+            let hit = intersect(&triangle, ray.origin, ray.direction);
+            assert!(hit.is_none() || may == 1, "{triangle:?} {ray:?} {hit:?}");
+            hits += u32::from(hit.is_some());
+            if size > 1.0 && reach < 2.0 * extent {
+                (tests, named) = (tests + 1, named + i32::from(hit.is_none() && may == 1));
+            }
+        }
+        assert!(hits > 200_000, "{hits}");
+        // Those that are aimed at corners and edges.
+        assert!(named < tests / 3, "{named} of {tests}");
+    }
+
+    /// What a test of every triangle finds.
+    fn by_all(geometry: &Geometry, ray: &Ray, near: f64, far: f64) -> Option<Hit> {
+        let origin = ray.origin - geometry.origin;
+        let all = geometry.corners.iter().zip(&geometry.scene_triangle);
+        all.filter_map(|(corners, triangle)| {
+            let hit = intersect(corners, origin, ray.direction)?;
+            let triangle = *triangle;
+            (hit.distance > near && hit.distance < far).then_some(Hit { triangle, ..hit })
+        })
+        .min_by(|a, b| {
+            let by_distance = a.distance.total_cmp(&b.distance);
+            by_distance.then(a.triangle.cmp(&b.triangle))
+        })
+    }
+
+    /// Aims rays at triangles from distances up to these, in lengths of the bounds, and compares; the share that hit.
+    fn compare(name: &str, triangles: &[Triangle], aimed_at: usize, distances: &[f64]) -> f64 {
+        let geometry = Geometry::new(&scene(triangles, 30.0, 50.0));
+        let mut chance = Chance(7);
+        let mut hits = 0;
+        let rays = 4000;
+        for k in 0..rays {
+            let triangle = &triangles[chance.one(aimed_at)];
+            let distance = distances[k % distances.len()] * chance.number();
+            let ray = chance.ray(triangle, distance * geometry.extent());
+            let far = match k % 3 {
+                0 => 1.5 * distance * chance.number() * geometry.extent(),
+                _ => f64::INFINITY,
+            };
+            let near = if k % 5 == 0 { 0.1 * far.min(1.0) } else { 0.0 };
+            let expected = by_all(&geometry, &ray, near, far);
+            let found = geometry.closest(&ray, near, far);
+            assert_eq!(found, expected, "{name}: {ray:?} from {near} to {far}");
+            assert_eq!(geometry.met(&ray, near, far).0, expected, "{name}: {ray:?}");
+            let occluded = geometry.occluded(&ray, near, far);
+            assert_eq!(occluded, expected.is_some(), "{name}: {ray:?}");
+            hits += u32::from(expected.is_some());
+        }
+        f64::from(hits) / rays as f64
+    }
+
+    fn moved(triangles: &[Triangle], scale: f64, shift: DVec3) -> Vec<Triangle> {
+        let triangles = triangles.iter();
+        triangles.map(|t| t.map(|p| scale * p + shift)).collect()
+    }
+
+    #[test]
+    fn rays_meet_what_a_test_of_every_triangle_finds() {
+        let mut chance = Chance(3);
+        let soup: Vec<Triangle> = (0..300)
+            .map(|_| {
+                let size = 10f64.powf(chance.between(-3.0, -0.3));
+                let middle = chance.cube();
+                chance.triangle(middle, size)
+            })
+            .collect();
+        let needles: Vec<Triangle> = (0..200)
+            .map(|_| {
+                let (a, way) = (chance.cube(), 0.5 * chance.direction());
+                [
+                    a,
+                    a + way,
+                    a + chance.number() * way + 1e-6 * chance.direction(),
+                ]
+            })
+            .collect();
+        // Walls and floors that share edges and lie in the planes of each other's boxes.
+        let mut cells = Vec::new();
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis / 7.0);
+        for (i, j) in (0..7).flat_map(|i| (0..7).map(move |j| (i, j))) {
+            for (k, level) in [(0, 0.0), (1, 3.0), (2, 5.0), (0, 7.0)] {
+                let [across, along, up] = [0, 1, 2].map(|n| axes[(k + n) % 3]);
+                let corner = f64::from(i) * across + f64::from(j) * along + level * up;
+                cells.extend(quad(corner, across, along));
+            }
+        }
+        let scenes = [("soup", &soup), ("needles", &needles), ("cells", &cells)];
+        for (name, triangles) in scenes {
+            for (scale, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e5, 0.0), (0.1, 1.0), (1.0, 1e6)] {
+                let shift = shift * DVec3::new(1.0, -0.3, 0.7);
+                let name = format!("{name} x {scale} + {shift}");
+                let moved = moved(triangles, scale, shift);
+                let share = compare(&name, &moved, moved.len(), &[0.01, 1.0, 100.0]);
+                assert!(share > 0.4, "{name}: {share}");
+            }
+        }
+        // Dust on a plain.
+        let mut plain: Vec<Triangle> = (0..300)
+            .map(|_| {
+                let middle = DVec3::new(2e4, 1.0, -3e4) + 1e-5 * chance.cube();
+                chance.triangle(middle, 1e-6)
+            })
+            .collect();
+        let corner = DVec3::new(-5e4, 0.0, -5e4);
+        plain.extend(quad(corner, 1e5 * DVec3::Z, 1e5 * DVec3::X));
+        let share = compare("dust", &plain, 300, &[1e-10, 1e-8]);
+        assert!(share > 0.4, "{share}");
+        compare("one", &soup[..1], 1, &[0.5, 10.0]);
+    }
+
+    #[test]
+    fn a_tree_of_any_depth_is_walked() {
+        let mut chance = Chance(5);
+        let corners: Vec<Triangle> = (0..100)
+            .map(|_| {
+                let middle = 500.0 * chance.cube();
+                chance.triangle(middle, 200.0)
+            })
+            .collect();
+        struct Around(obvhs::aabb::Aabb);
+        impl Boundable for Around {
+            fn aabb(&self) -> obvhs::aabb::Aabb {
+                self.0
+            }
+        }
+        let boxes: Vec<Around> = corners
+            .iter()
+            .map(|t| Around(obvhs::aabb::Aabb::from_points(&t.map(|p| p.as_vec3a()))))
+            .collect();
+        let mut wide = Wide::new(&boxes, &corners, 1.0, 2000.0);
+        for _ in 0..100 {
+            let ray = BoxRay::new(500.0 * chance.cube(), chance.direction(), 2000.0);
+            let [few, many] = [0, 10 * STACK].map(|waiting| {
+                wide.waiting = wide.waiting.max(waiting);
+                let mut slots = Vec::new();
+                wide.walk(&ray, f32::INFINITY, |slot, far| {
+                    slots.push(slot);
+                    Some(far)
+                });
+                slots
+            });
+            assert_eq!(few, many);
+        }
+    }
+}
