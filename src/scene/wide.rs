@@ -236,6 +236,8 @@ impl Wide {
                 None => wide.root = child,
             }
         }
+        wide.nodes.shrink_to_fit();
+        wide.packets.shrink_to_fit();
         wide
     }
 
