@@ -48,7 +48,7 @@ const PACKET_COST: f32 = 1.0;
 struct Node {
     /// Least and greatest coordinates along each axis.
     planes: [[Vec4; 2]; 3],
-    /// What is inside each: a node, or packets.
+    /// What is inside each: a node or a packet.
     children: [Child; 4],
 }
 
