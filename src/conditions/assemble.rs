@@ -49,7 +49,7 @@ impl Conditions {
         checks::picture(size, samples)?;
         // Corners, bounding volumes of both trees, and what building them takes for a while.
         let texels: usize = scene.textures.iter().map(|t| t.pixels.len()).sum();
-        let bytes = 600 * scene.mesh.triangles.len() as u64 + 8 * texels as u64;
+        let bytes = 700 * scene.mesh.triangles.len() as u64 + 8 * texels as u64;
         memory::check("the tree of the scene's triangles", bytes)?;
         let geometry = Arc::new(Geometry::new(&scene));
         let (camera, chosen) = camera(&scene, &request.camera, size)?;

@@ -15,6 +15,8 @@ pub(super) struct Patches {
     pub homes: Vec<Home>,
     /// Two of each plane, then the ground's if there is one.
     pub faces: Vec<Face>,
+    /// Of each triangle the normal, twice its area long.
+    facets: Vec<DVec3>,
     /// Triangles whose vertices have normals that are not the plane's.
     bent: Vec<bool>,
     /// Of each vertex the first corner of a triangle that stands there with about its normal: all such receive the same.
@@ -122,11 +124,14 @@ impl Patches {
             .map(|(pieces, area)| Patch::new(conditions, pieces, area, &opacity, working))
             .collect();
         let mesh = &conditions.scene.mesh;
-        let bent = (0..mesh.triangles.len() as u32).map(|triangle| {
+        let facet = |triangle: u32| {
             let [a, b, c] = corners(conditions, triangle);
-            let facet = (b - a).cross(c - a).normalize_or_zero();
-            let vertices = mesh.triangles[triangle as usize].vertices;
-            let normals = vertices.map(|v| mesh.normals[v as usize]);
+            (b - a).cross(c - a)
+        };
+        let facets: Vec<DVec3> = (0..mesh.triangles.len() as u32).map(facet).collect();
+        let bent = mesh.triangles.iter().zip(&facets).map(|(triangle, facet)| {
+            let facet = facet.normalize_or_zero();
+            let normals = triangle.vertices.map(|v| mesh.normals[v as usize]);
             let off = |n: &DVec3| *n != DVec3::ZERO && n.dot(facet).abs() < FLAT;
             normals.iter().any(off)
         });
@@ -143,6 +148,7 @@ impl Patches {
         Patches {
             first_alike,
             bent: bent.collect(),
+            facets,
             homes: surfaces.homes,
             faces,
             of_cluster,
@@ -153,9 +159,8 @@ impl Patches {
     }
 
     /// The patch that a ray meets on a triangle.
-    pub fn of_hit(&self, conditions: &Conditions, ray: &Ray, hit: &Hit) -> Source {
-        let [a, b, c] = corners(conditions, hit.triangle);
-        let back = (b - a).cross(c - a).dot(ray.direction) > 0.0;
+    pub fn of_hit(&self, ray: &Ray, hit: &Hit) -> Source {
+        let back = self.facets[hit.triangle as usize].dot(ray.direction) > 0.0;
         match self.homes[hit.triangle as usize] {
             Home::Absent => Source::Nothing,
             Home::Cluster(sides) => {

@@ -82,7 +82,7 @@ impl Transport {
         };
         if let Some(hit) = hit {
             return Look {
-                source: self.patches.of_hit(&self.conditions, ray, &hit),
+                source: self.patches.of_hit(ray, &hit),
                 through: along(hit.distance),
                 distance: hit.distance,
             };

@@ -1,19 +1,19 @@
 //! What stands in the way of light: triangles in f64 below bounding volumes in f32.
 //!
 //! Boxes are f32 around a local origin and inflated by more than f32 rounds away; rays are moved to the scene's bounds in
-//! f64 before they meet a box; triangles are always tested in f64. So nothing is lost from a far camera or a far origin.
+//! f64 before they meet a box; which triangles are hit is decided in f64 ([`super::wide`] finds those that may be). So nothing is
+//! lost from a far camera or a far origin.
 //! Edges are tested by signed volumes that are exact negatives for two triangles that share the edge (Woop, Benthin & Wald
 //! 2013), so no ray slips between neighbours.
 
 use super::cut_out::{AlphaMap, CutOut};
 use super::opacity::{Opacities, Opacity};
+use super::wide::{BoxRay, Wide};
 use super::{Ray, Scene};
 use crate::warning::Warning;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
-use obvhs::ray::{Ray as BoxRay, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 use std::collections::{HashMap, HashSet};
 use std::time::Duration;
@@ -27,6 +27,14 @@ pub struct Hit {
     pub triangle: u32,
     /// Weights of the second and the third vertex.
     pub barycentric: [f64; 2],
+}
+
+impl Hit {
+    /// Whether it comes first; of two at one distance the triangle that the scene has first.
+    fn is_before(&self, other: &Hit) -> bool {
+        self.distance < other.distance
+            || self.distance == other.distance && self.triangle < other.triangle
+    }
 }
 
 /// The triangles of a scene that stop light or a part of it, in bounding volumes.
@@ -49,7 +57,7 @@ pub struct Geometry {
     veils: Vec<u32>,
     /// The share of light that each material that lets light through does let through.
     passes: Vec<f64>,
-    rays: CwBvh,
+    rays: Wide,
     pub(super) nodes: Vec<Node>,
     /// Diagonal of the bounds [m].
     pub(super) extent: f64,
@@ -57,8 +65,8 @@ pub struct Geometry {
     scale: f64,
 }
 
-/// Boxes are scaled so that the bounds' diagonal is 1 to 2 times this: the box test of the library takes no distance below
-/// 1e-4 for a hit, which must be less than the boxes are inflated by, whatever the scene's unit of length.
+/// Boxes are scaled so that the bounds' diagonal is 1 to 2 times this, far from the limits of f32 whatever the scene's unit of
+/// length.
 const BOX_EXTENT: f64 = 1024.0;
 
 /// A bounding volume for the curtain's search.
@@ -146,7 +154,7 @@ impl Geometry {
         let scene_triangle: Vec<_> = order.iter().map(|i| scene_triangle[*i]).collect();
         let (holes, cut_outs, alpha_maps) = cut_outs(scene, &scene_triangle, opacity);
         let (veils, passes) = veils(scene, &scene_triangle, opacity);
-        let rays = build_cwbvh(&boxes(&corners), BvhBuildParams::medium_build(), &mut time);
+        let rays = Wide::new(&boxes(&corners), &corners, scale, extent);
         let nodes = planes
             .nodes
             .iter()
@@ -219,7 +227,7 @@ impl Geometry {
     pub fn closest(&self, ray: &Ray, near: f64, far: f64) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.visit(ray, near, far, |_, hit| {
-            if hit.distance < best.map_or(far, |b| b.distance) {
+            if best.is_none_or(|b| hit.is_before(&b)) {
                 best = Some(hit);
             }
             hit.distance
@@ -278,7 +286,7 @@ impl Geometry {
         let mut veils = Vec::new();
         self.visit(ray, near, far, |index, hit| match self.veil(index) {
             None => {
-                if hit.distance < solid.map_or(far, |s| s.distance) {
+                if solid.is_none_or(|s| hit.is_before(&s)) {
                     solid = Some(hit);
                 }
                 hit.distance
@@ -290,7 +298,10 @@ impl Geometry {
         });
         let end = solid.map_or(far, |s| s.distance);
         veils.retain(|veil| veil.hit.distance < end);
-        veils.sort_unstable_by(|a, b| a.hit.distance.total_cmp(&b.hit.distance));
+        veils.sort_unstable_by(|a, b| {
+            let by_distance = a.hit.distance.total_cmp(&b.hit.distance);
+            by_distance.then(a.hit.triangle.cmp(&b.hit.triangle))
+        });
         let reach = (ray.origin - self.origin).length() + self.extent;
         veils.dedup_by(|b, a| {
             a.kind == b.kind && b.hit.distance - a.hit.distance <= SAME_PLACE * reach
@@ -312,45 +323,37 @@ impl Geometry {
             return;
         }
         let origin = ray.origin - self.origin;
-        let Some(skip) = self.entry(origin, ray.direction) else {
-            return;
-        };
-        if skip > far {
-            return;
+        let is_inside = origin.cmpge(self.min).all() && origin.cmple(self.max).all();
+        let mut skip = 0.0;
+        if !is_inside {
+            let Some(enter) = self.entry(origin, ray.direction) else {
+                return;
+            };
+            if enter > far {
+                return;
+            }
+            skip = (enter - 0.01 * self.extent).max(0.0);
         }
-        let skip = (skip - 0.01 * self.extent).max(0.0);
         let start = origin + skip * ray.direction;
-        let box_ray = BoxRay::new(
-            (self.scale * start).as_vec3a(),
-            ray.direction.as_vec3a(),
-            0.0,
-            f32::INFINITY,
-        );
-        let meet = |slot: usize| {
-            let index = self.rays.primitive_indices[slot] as usize;
-            let hit = intersect(&self.corners[index], origin, ray.direction)?;
-            let solid =
-                hit.distance > near && hit.distance < far && self.solid_at(index, hit.barycentric);
-            let triangle = self.scene_triangle[index];
-            solid.then_some((index, Hit { triangle, ..hit }))
-        };
+        let reach = origin.length() + self.extent;
+        let box_ray = BoxRay::new(self.scale * start, ray.direction, self.scale * reach);
         // A distance in f32 that is certainly not less than the f64 one from where the box ray starts.
         let beyond = |distance: f64| {
             let d = (self.scale * (distance - skip)) as f32;
             d + d.abs() * 4.0 * f32::EPSILON + 1e-6 * BOX_EXTENT as f32
         };
-        let mut done = false;
-        let mut nearest = RayHit::none();
-        self.rays.ray_traverse(box_ray, &mut nearest, |_, slot| {
-            if done {
-                return -1.0;
-            }
-            match meet(slot).map(|(index, hit)| found(index, hit)) {
-                None | Some(f64::INFINITY) => f32::INFINITY,
-                Some(wanted) => {
-                    done = wanted == 0.0;
-                    if done { -1.0 } else { beyond(wanted) }
-                }
+        self.rays.walk(&box_ray, beyond(far), |index, wanted| {
+            let is_wanted = |hit: &Hit| {
+                hit.distance > near && hit.distance < far && self.solid_at(index, hit.barycentric)
+            };
+            let hit = intersect(&self.corners[index], origin, ray.direction);
+            let Some(hit) = hit.filter(is_wanted) else {
+                return Some(wanted);
+            };
+            let triangle = self.scene_triangle[index];
+            match found(index, Hit { triangle, ..hit }) {
+                0.0 => None,
+                distance => Some(wanted.min(beyond(distance))),
             }
         });
     }
@@ -466,7 +469,8 @@ fn veils(
 }
 
 /// Where a ray meets a triangle, from either side; `None` where it misses or runs in its plane.
-fn intersect(corners: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
+#[inline]
+pub(super) fn intersect(corners: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
     let [a, b, c] = corners.map(|p| p - origin);
     let u = direction.dot(c.cross(b));
     let v = direction.dot(a.cross(c));

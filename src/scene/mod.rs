@@ -28,6 +28,7 @@ pub mod shade;
 mod text;
 mod toml;
 pub mod tree;
+mod wide;
 
 use crate::medium::{ClearAir, Medium};
 use crate::warning::Warning;
