@@ -392,10 +392,45 @@ fn inside(tree: &Bvh2, at: usize) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::scene::geometry::intersect;
-    use crate::scene::{Geometry, Hit, Ray};
-    use crate::studies::scenes::{quad, scene};
+    use crate::scene::{self, AlphaMode, Geometry, Hit, Material, Mesh, Ray, Scene};
+    use glam::DVec2;
 
     type Triangle = [DVec3; 3];
+
+    /// Of one opaque material.
+    fn scene(triangles: &[Triangle]) -> Scene {
+        let positions: Vec<DVec3> = triangles.iter().flatten().copied().collect();
+        Scene {
+            materials: vec![Material {
+                name: "grey".into(),
+                base_color: DVec3::splat(0.5),
+                alpha: 1.0,
+                texture: None,
+                alpha_mode: AlphaMode::Opaque,
+                transmissive: false,
+            }],
+            mesh: Mesh {
+                normals: vec![DVec3::ZERO; positions.len()],
+                uvs: vec![DVec2::ZERO; positions.len()],
+                colors: Vec::new(),
+                triangles: (0..triangles.len() as u32)
+                    .map(|i| scene::Triangle {
+                        vertices: [3 * i, 3 * i + 1, 3 * i + 2],
+                        material: 0,
+                    })
+                    .collect(),
+                positions,
+            },
+            ..Scene::default()
+        }
+    }
+
+    fn quad(corner: DVec3, a: DVec3, b: DVec3) -> [Triangle; 2] {
+        [
+            [corner, corner + a, corner + a + b],
+            [corner, corner + a + b, corner + b],
+        ]
+    }
 
     /// Numbers that look like chance (Steele, Lea & Flood 2014).
     struct Chance(u64);
@@ -514,7 +549,7 @@ mod tests {
 
     /// Aims rays at triangles from distances up to these, in lengths of the bounds, and compares; the share that hit.
     fn compare(name: &str, triangles: &[Triangle], aimed_at: usize, distances: &[f64]) -> f64 {
-        let geometry = Geometry::new(&scene(triangles, 30.0, 50.0));
+        let geometry = Geometry::new(&scene(triangles));
         let mut chance = Chance(7);
         let mut hits = 0;
         let rays = 4000;
