@@ -217,14 +217,17 @@ impl Look<'_> {
         Lit::mean(&found)
     }
 
-    /// The tiles of the next level: found anew where one beside differs, or where nothing was met of the surface.
+    /// The tiles of the next level: found anew where one beside differs, or where the surface may end.
     fn quartered(&self, level: u32, tiles: &[Lit], rays: usize) -> Vec<Lit> {
         let side = 1usize << level;
         let is_even = |i: usize, j: usize| {
             let own = &tiles[j * side + i];
-            let around = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
-            own.there > 0.0
-                && around(j).all(|v| around(i).all(|u| own.is_like(&tiles[v * side + u])))
+            let across = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+            let mut around = across(j).flat_map(|v| across(i).map(move |u| &tiles[v * side + u]));
+            match own.there > 0.0 {
+                true => around.all(|other| own.is_like(other)),
+                false => around.all(|other| other.there == 0.0),
+            }
         };
         let even: Vec<bool> = (0..side * side)
             .map(|k| is_even(k % side, k / side))
