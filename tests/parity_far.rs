@@ -309,11 +309,18 @@ fn pictures(scene: Scene, camera: Camera) -> [Frame; 2] {
         set: [
             ("surface_sun.suns", 1.0),
             ("shafts_rectified.suns", 1.0),
+            // The light of sky and surfaces is the same code on both, so it only has to be there.
             ("radiosity.rays", 16.0),
+            ("radiosity.outline", 1.0),
+            ("radiosity.patches", 500.0),
+            ("radiosity.patch_rays", 1e4),
+            ("radiosity.patch_spots", 0.0),
+            ("radiosity.depth", 0.0),
         ]
         .map(|(knob, value)| (knob.to_owned(), value))
         .into_iter()
         .collect(),
+        without: vec!["air_sky".into()],
         ..Overrules::default()
     };
     let plan = Plan::new(&conditions, &overrules).expect("the plan is sound");

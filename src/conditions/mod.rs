@@ -3,6 +3,7 @@
 //! This is the one place where domains are checked; everything behind it may rely on them.
 
 mod assemble;
+mod brightest;
 mod checks;
 mod inputs;
 mod lines;

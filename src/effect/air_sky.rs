@@ -13,12 +13,10 @@
 use super::kept::Shared;
 use super::radiosity::shared;
 use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings};
-use crate::colour::luminance;
 use crate::conditions::{Conditions, Input};
 use crate::radiosity::Care;
 use crate::radiosity::air::{self, Fineness, Lattice, Picture};
 use glam::{DVec3, UVec2};
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Light of sky and surfaces in the air.
@@ -138,9 +136,15 @@ fn decide(conditions: &Conditions) -> Decision {
     if !media.iter().any(|m| scatters(&m)) {
         return Decision::nothing("no medium scatters light");
     }
-    let Some(sky) = &conditions.sky else {
-        return Decision::nothing("no sky was asked for");
-    };
+    if conditions.sky.is_none() && !conditions.sun.shines() {
+        return Decision::nothing("neither sky nor sun gives light");
+    }
+    let brightest = conditions
+        .brightest_sky()
+        .max(conditions.brightest_surface());
+    if brightest == 0.0 {
+        return Decision::nothing("there is no sky, and no surface reflects light");
+    }
     let albedo = (media.iter().filter(scatters))
         .map(|m| m.scattering / m.extinction().max(DVec3::splat(f64::MIN_POSITIVE)))
         .fold(0.0, |most: f64, albedo| most.max(albedo.max_element()));
@@ -148,6 +152,9 @@ fn decide(conditions: &Conditions) -> Decision {
     let weight = albedo * -(-conditions.greatest_optical_depth()).exp_m1();
     Decision::run(
         format!("sky and surfaces light {}", conditions.media_phrase()),
-        Contribution::Estimate(weight * luminance(sky.horizontal_illuminance()) / PI),
+        match brightest.is_finite() {
+            true => Contribution::Bound(weight * brightest),
+            false => Contribution::Estimate(weight * conditions.typical_luminance()),
+        },
     )
 }

@@ -23,9 +23,9 @@ pub const RADIOSITY: Effect = Effect {
     knobs: &[
         Knob {
             name: "sky",
-            meaning: "parts of each of the sky's 145 patches, each way",
+            meaning: "parts of each of the sky's 145 patches, each way; 0 for 5 728 triangles",
             values: [4.0, 8.0, 16.0, 16.0],
-            range: [1.0, 16.0],
+            range: [0.0, 16.0],
         },
         Knob {
             name: "rays",
@@ -88,9 +88,25 @@ pub const RADIOSITY: Effect = Effect {
         }
         let sky = conditions.sky.as_ref();
         let sky = sky.map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
+        let albedo = conditions.greatest_albedo();
+        // Ground that is flat and alone sends nothing to itself.
+        let alone = conditions.geometry.triangle_count() == 0;
+        let others = match alone {
+            true => 0.0,
+            false => albedo * conditions.brightest_surface(),
+        };
+        let said = match alone {
+            true => ", and no surface sends light to another".to_owned(),
+            false if others.is_finite() => format!(", surfaces add at most {others:.0} cd/m2"),
+            false => String::new(),
+        };
+        let bound = albedo * conditions.brightest_sky() + others;
         Decision::run(
-            format!("the sky gives {sky:.0} lx on open ground"),
-            Contribution::Estimate(0.5 * (sky + conditions.sun.illuminance_lux()) / PI),
+            format!("the sky gives {sky:.0} lx on open ground{said}"),
+            match bound.is_finite() {
+                true => Contribution::Bound(bound),
+                false => Contribution::Estimate(conditions.typical_luminance()),
+            },
         )
     },
     reference: |conditions, settings, kept| {

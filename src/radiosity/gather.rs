@@ -191,9 +191,14 @@ impl Transport {
             };
             // A cell that an outline crosses is off by 0.29 of its weight on average.
             let weight = whole / f64::from(n << level).powi(2);
-            let error = 0.29 * weight * (open.len() as f64).sqrt();
-            if error < care.outline * (view.bright() + DIM * whole) {
+            let error = |cells: usize| 0.29 * weight * (cells as f64).sqrt();
+            let bright = view.bright();
+            if error(open.len()) < care.outline * (bright + DIM * whole) {
                 open.clear();
+            }
+            // Openings count even where they are all the light that there is.
+            if error(places.len()) < care.outline * bright {
+                places.clear();
             }
             // Outlines are followed wherever they go, else what chance has missed of them would always err to one side.
             let outlined = !open.is_empty();
@@ -261,8 +266,12 @@ impl Transport {
             let at = [x, y].map(|at| at.clamp(0.0, 1.0 - 1e-12));
             let [i, j] = at.map(|at| (at * f64::from(n)) as u32);
             let is_seen = view.squares[(j * n + i) as usize].kind != Kind::Dark;
-            let look = || self.look(&Ray { origin, direction }, WHOLE);
-            if is_seen || self.is_bright(look().source) {
+            let ray = Ray { origin, direction };
+            let is_free = || {
+                let geometry = &self.conditions.geometry;
+                !geometry.occluded(&ray, 0.0, 0.999 * way.length())
+            };
+            if is_seen || is_free() && self.is_bright(self.look(&ray, WHOLE).source) {
                 places.push(at);
             }
         }
