@@ -7,7 +7,7 @@
 
 use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings, Source, Surface};
 use crate::colour::luminance;
-use crate::conditions::{Conditions, Input};
+use crate::conditions::{Conditions, Input, Receivers};
 use crate::radiosity::{Arrival, Care, Detail, Lattice, Light, Source as From, Transport};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -88,19 +88,23 @@ pub const RADIOSITY: Effect = Effect {
         }
         let sky = conditions.sky.as_ref();
         let sky = sky.map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
-        let albedo = conditions.greatest_albedo();
+        // Points tell the illuminance, whatever stands there.
+        let (share, unit) = match conditions.view.receivers {
+            Receivers::Points(_) => (PI, "lx"),
+            Receivers::Pixels => (conditions.greatest_albedo(), "cd/m2"),
+        };
         // Ground that is flat and alone sends nothing to itself.
         let alone = conditions.geometry.triangle_count() == 0;
         let others = match alone {
             true => 0.0,
-            false => albedo * conditions.brightest_surface(),
+            false => share * conditions.brightest_surface(),
         };
         let said = match alone {
             true => ", and no surface sends light to another".to_owned(),
-            false if others.is_finite() => format!(", surfaces add at most {others:.0} cd/m2"),
+            false if others.is_finite() => format!(", surfaces add at most {others:.0} {unit}"),
             false => String::new(),
         };
-        let bound = albedo * conditions.brightest_sky() + others;
+        let bound = share * conditions.brightest_sky() + others;
         Decision::run(
             format!("the sky gives {sky:.0} lx on open ground{said}"),
             match bound.is_finite() {

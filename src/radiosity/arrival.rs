@@ -1,5 +1,6 @@
 //! What a place receives, direction by direction.
 
+use super::tiles::Tile;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -12,8 +13,8 @@ pub enum Source {
     Sky(u32),
     /// The ground far from everything, which lies open to sky and sun.
     OpenGround,
-    /// A patch of a surface, by its number.
-    Patch(u32),
+    /// A patch of a surface, by its number, and where on it.
+    Patch(u32, Tile),
 }
 
 /// Light that comes to a place from around one direction.
@@ -76,6 +77,14 @@ impl Map {
         match self {
             Map::Sphere => 4.0 * PI,
             Map::Cosine(_) => 1.0,
+        }
+    }
+
+    /// How wide a cell of this weight around a direction is, as a square [rad].
+    pub fn width(&self, weight: f64, toward: DVec3) -> f64 {
+        match self {
+            Map::Sphere => weight.sqrt(),
+            Map::Cosine([.., normal]) => (PI * weight / toward.dot(*normal).max(1e-9)).sqrt(),
         }
     }
 

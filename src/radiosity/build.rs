@@ -6,7 +6,7 @@ use super::exchange::Exchange;
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
-use super::transport::{Detail, Transport};
+use super::transport::{Detail, Transport, WHOLE};
 use crate::conditions::Conditions;
 use crate::scene::Ray;
 use crate::sky::patches::Subdivision;
@@ -39,7 +39,7 @@ const JUDGES: usize = 32;
 const JUDGED: usize = 4096;
 
 fn is_outside(source: Source) -> bool {
-    !matches!(source, Source::Patch(_))
+    !matches!(source, Source::Patch(..))
 }
 
 /// The share of what is seen that is no patch [1].
@@ -106,7 +106,7 @@ impl Transport {
                 let mut row: Vec<(Source, f32, Vec3)> = (0..rays)
                     .map(|i| {
                         let ray = own.ray(&spread(i, patch as u64), near);
-                        let look = self.look(&ray);
+                        let look = self.look(&ray, WHOLE);
                         (look.source, share, share * look.through)
                     })
                     .collect();
@@ -186,10 +186,11 @@ impl Transport {
                     let way = (point - judge.point).normalize_or_zero();
                     let near = self.near(judge.point);
                     way.dot(judge.normal) > 0.0 && {
-                        let look = self.look(&Ray {
+                        let ray = Ray {
                             origin: judge.lifted(near),
                             direction: way,
-                        });
+                        };
+                        let look = self.look(&ray, WHOLE);
                         self.is_bright(look.source)
                     }
                 });

@@ -5,6 +5,7 @@
 //! wall stands is cut along the wall's foot, however thin the wall is.
 
 use super::planes::{Plane, Surfaces, corners};
+use super::tiles::{FINEST, Tile};
 use crate::conditions::Conditions;
 use glam::{DVec2, DVec3};
 use std::cmp::Reverse;
@@ -49,9 +50,19 @@ pub(super) struct Part {
     /// The rectangle around it [m].
     pub low: DVec2,
     pub high: DVec2,
+    /// Whether it fills that rectangle.
+    is_full: bool,
+    /// The level of its finest tiles.
+    pub depth: u32,
     /// Its number among all patches.
     pub patch: u32,
 }
+
+/// The level of the finest tiles of a face's finest cells; larger cells have tiles of the same size, as far as tiles go.
+const TILES: u32 = 3;
+
+/// What of the rectangle around a part must be there to count as all of it [1].
+const FULL: f64 = 1.0 - 1e-6;
 
 /// The most lines along which a cell is cut.
 const MOST_CUTS: usize = 4;
@@ -72,6 +83,24 @@ impl Cell {
 }
 
 impl Part {
+    /// Whether there is surface at a point of the rectangle around it.
+    pub fn covers(&self, at: DVec2) -> bool {
+        self.is_full || self.pieces.iter().any(|(_, polygon)| holds(polygon, at))
+    }
+
+    /// The tile around a point that reaches no farther than `width` [m] from its middle, or the finest one.
+    pub fn tile(&self, at: DVec2, width: f64) -> Tile {
+        let size = self.high - self.low;
+        let (mut level, mut side) = (0, 0.5 * size.max_element());
+        while side > width && level < self.depth {
+            (level, side) = (level + 1, 0.5 * side);
+        }
+        match level {
+            0 => Tile::WHOLE,
+            _ => Tile::at(level, (at - self.low) / size),
+        }
+    }
+
     /// Counts what lies upon each other once (a carpet in the floor's plane): the area is that of the union, by points.
     fn count_once(&mut self) {
         let size = self.high - self.low;
@@ -264,6 +293,16 @@ pub(super) fn faces(
             }
         }
     }
+    for face in &mut faces {
+        let finest = face.cells.iter().map(|cell| cell.side);
+        let finest = finest.fold(f64::INFINITY, f64::min);
+        for cell in &mut face.cells {
+            let coarser = (cell.side / finest).log2().round() as u32;
+            for part in &mut cell.parts {
+                part.depth = (TILES + coarser).min(FINEST);
+            }
+        }
+    }
     (faces, coarse)
 }
 
@@ -376,6 +415,8 @@ fn keep(
                         area: 0.0,
                         low: DVec2::INFINITY,
                         high: DVec2::NEG_INFINITY,
+                        is_full: false,
+                        depth: 0,
                         patch: u32::MAX,
                     });
                     parts.len() - 1
@@ -393,7 +434,11 @@ fn keep(
     if parts.is_empty() {
         return None;
     }
-    parts.iter_mut().for_each(Part::count_once);
+    for part in &mut parts {
+        part.count_once();
+        let size = part.high - part.low;
+        part.is_full = part.area >= FULL * size.x * size.y;
+    }
     let cell = Cell {
         side: square.side,
         cuts,

@@ -30,7 +30,7 @@ impl Exchange {
         for (i, row) in rows.iter().enumerate() {
             for (source, ..) in row {
                 match source {
-                    Source::Patch(j) => {
+                    Source::Patch(j, _) => {
                         neighbours[i].push(*j);
                         neighbours[*j as usize].push(i as u32);
                     }
@@ -65,7 +65,7 @@ impl Exchange {
             let mut out = Row::new();
             for (source, share, through) in row {
                 match source {
-                    Source::Patch(j) => {
+                    Source::Patch(j, _) => {
                         let (a, b) = (areas[i], areas[j as usize]);
                         let (i, known) = (i as u32, is_known[j as usize] && i as u32 != j);
                         let area = if known { a * b / (a + b) } else { a };

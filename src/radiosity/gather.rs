@@ -7,7 +7,7 @@
 //! the cells' borders would be off by the same in all of them.
 
 use super::arrival::{Arrival, Care, Map, Source, spread};
-use super::transport::{Look, Transport};
+use super::transport::{Look, Transport, WHOLE};
 use crate::scene::Ray;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -159,17 +159,19 @@ impl Transport {
             let side = f64::from(n << level);
             let [x, y] = within_cell(level, i, j);
             let toward = map.toward((f64::from(i) + x) / side, (f64::from(j) + y) / side);
-            let look = self.look(&Ray {
+            let ray = Ray {
                 origin,
                 direction: toward,
-            });
+            };
+            let share = whole / (side * side);
+            let look = self.look(&ray, map.width(share, toward));
             Square {
                 at: (level, i, j),
                 kind: self.kind(look.source),
                 quarters: 0,
                 arrival: Arrival {
                     toward: toward.as_vec3(),
-                    share: (whole / (side * side)) as f32,
+                    share: share as f32,
                     through: look.through,
                     source: look.source,
                 },
@@ -269,7 +271,7 @@ impl Transport {
                 let geometry = &self.conditions.geometry;
                 !geometry.occluded(&ray, 0.0, 0.999 * way.length())
             };
-            if is_seen || is_free() && self.is_bright(self.look(&ray).source) {
+            if is_seen || is_free() && self.is_bright(self.look(&ray, WHOLE).source) {
                 places.push(at);
             }
         }
@@ -288,7 +290,7 @@ impl Transport {
                 let [x, y] = within_cell(0, i as u32, j as u32);
                 let at = |i: usize, x: f64| (i as f64 + x) / SIDE as f64;
                 let direction = map.toward(at(i, x), at(j, y));
-                (direction, self.look(&Ray { origin, direction }))
+                (direction, self.look(&Ray { origin, direction }, WHOLE))
             })
             .collect();
         let free = |k: usize| self.is_bright(looks[k].1.source);

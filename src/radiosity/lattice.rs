@@ -9,11 +9,11 @@ use super::arrival::{Arrival, Row, Source, merge};
 use super::cells::{Face, Part};
 use super::light::Light;
 use super::planes::{Home, corners};
-use super::points::Point;
+use super::points::{Factors, Point};
 use super::shards::Shards;
 use super::transport::Transport;
 use crate::colour::luminance;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
@@ -275,12 +275,14 @@ fn nearest_on(polygon: &[DVec2], at: DVec2) -> DVec2 {
 
 impl Transport {
     /// What a surface sees from a point, by source.
-    fn row(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Row {
+    fn row(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Factors {
         let arrivals = self.before(point, normal, facet);
         let entry = |a: Arrival| (a.source, a.share, a.share * a.through);
         let mut row: Row = arrivals.into_iter().map(entry).collect();
         merge(&mut row);
-        row
+        row.into_iter()
+            .map(|(source, _, through)| (source, through))
+            .collect()
     }
 
     /// What a triangle receives at a corner: looked at from a little inside, of a vertex with a normal from the first triangle that
@@ -324,15 +326,19 @@ impl Transport {
     }
 
     /// What is made of what a point sees, which is kept for other moments as long as there is room for it.
-    fn seen_from<T>(&self, key: Point, row: impl Fn() -> Row, made: impl Fn(&Row) -> T) -> T {
+    fn seen_from<T>(
+        &self,
+        key: Point,
+        row: impl Fn() -> Factors,
+        made: impl Fn(&Factors) -> T,
+    ) -> T {
         if self.seen_bytes.load(Ordering::Relaxed) > MOST_BYTES {
             return made(&row());
         }
         let seen = self.seen.place(key);
         made(seen.get_or_init(|| {
-            let mut row = row();
-            row.shrink_to_fit();
-            let bytes = size_of::<(Source, f32, glam::Vec3)>() * row.len() + 128;
+            let row = row();
+            let bytes = size_of::<(Source, Vec3)>() * row.len() + 128;
             self.seen_bytes.fetch_add(bytes as u64, Ordering::Relaxed);
             row
         }))
@@ -341,9 +347,9 @@ impl Transport {
 
 impl Light {
     /// What a place receives that sees these.
-    fn given_by(&self, row: &Row) -> Received {
+    fn given_by(&self, row: &Factors) -> Received {
         let mut received = [DVec3::ZERO; 2];
-        for (source, _, through) in row {
+        for (source, through) in row {
             let which = usize::from(!matches!(source, Source::Sky(_)));
             received[which] += PI * through.as_dvec3() * self.radiance(*source);
         }

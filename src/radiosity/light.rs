@@ -6,14 +6,18 @@
 //!
 //! Differs from the ReLiShaft paper's algorithm 2 as that must be read: dB_j = rho_j dB_i F_ij A_i / A_j.
 
-use super::arrival::{Arrival, Source, spread};
+use super::arrival::{Arrival, Source};
+use super::sun::sun_on;
+use super::tiles::Tile;
 use super::transport::Transport;
 use crate::colour::luminance;
 use crate::conditions::Conditions;
-use crate::scene::Ray;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
+
+/// Values of tiles, sorted.
+type Tiles = Box<[(Tile, Vec3)]>;
 
 /// How bright every source is at a moment [cd/m2, RGB].
 pub struct Light {
@@ -21,7 +25,10 @@ pub struct Light {
     open_ground: DVec3,
     /// What open ground receives from the sky [lx].
     open_sky: DVec3,
+    /// Means over the patches.
     patches: Vec<DVec3>,
+    /// By patch: the radiance of each tile less the mean, where the sun lights the patch in part.
+    tiles: Vec<Tiles>,
     /// The account of energy.
     pub account: Account,
 }
@@ -43,9 +50,6 @@ pub struct Account {
     pub shots: u64,
 }
 
-/// Shadow rays to a patch by which it is found how much of it the sun lights: first, and where they differ.
-const SUN_RAYS: [usize; 2] = [16, 128];
-
 impl Light {
     /// Finds it for the sun and the sky of `conditions`, over the transport of the same scene, until the unshot share of what
     /// surfaces received is below `unshot`.
@@ -62,20 +66,27 @@ impl Light {
             open_sky,
             open_ground,
             patches: Vec::new(),
+            tiles: Vec::new(),
             account: Account::default(),
         };
-        let irradiance: Vec<DVec3> = (0..transport.patches.all.len())
+        let received: (Vec<DVec3>, Vec<Tiles>) = (0..transport.patches.all.len())
             .into_par_iter()
             .map(|patch| {
                 let outside = transport.exchange.outside[patch].iter();
                 let sky: DVec3 = outside
                     .map(|(source, _, through)| through.as_dvec3() * light.radiance(*source))
                     .sum();
-                PI * sky + sun_on(transport, conditions, patch)
+                let sun = sun_on(transport, conditions, patch);
+                let sent = (transport.patches.all[patch].albedo / PI).as_vec3();
+                let tiles = sun.tiles.into_iter();
+                let tiles = tiles.map(|(tile, off)| (tile, sent * off)).collect();
+                (PI * sky + sun.mean, tiles)
             })
-            .collect();
+            .unzip();
+        let (irradiance, tiles) = received;
         let (exitance, account) = shoot(transport, &irradiance, unshot);
         light.patches = exitance.into_iter().map(|m| m / PI).collect();
+        light.tiles = tiles;
         light.account = account;
         light
     }
@@ -86,7 +97,13 @@ impl Light {
             Source::Nothing => DVec3::ZERO,
             Source::Sky(patch) => self.sky[patch as usize],
             Source::OpenGround => self.open_ground,
-            Source::Patch(patch) => self.patches[patch as usize],
+            Source::Patch(patch, tile) => {
+                let mean = self.patches[patch as usize];
+                match off(&self.tiles[patch as usize], tile) {
+                    Some(off) => (mean + off.as_dvec3()).max(DVec3::ZERO),
+                    None => mean,
+                }
+            }
         }
     }
 
@@ -146,6 +163,21 @@ impl Light {
     }
 }
 
+/// The value of a tile, or of the smallest one around it that has one.
+fn off(tiles: &[(Tile, Vec3)], tile: Tile) -> Option<Vec3> {
+    if tiles.is_empty() {
+        return None;
+    }
+    let mut around = Some(tile);
+    while let Some(tile) = around {
+        if let Ok(found) = tiles.binary_search_by_key(&tile, |(tile, _)| *tile) {
+            return Some(tiles[found].1);
+        }
+        around = tile.whole();
+    }
+    None
+}
+
 /// What ground receives that lies open: from the sky, and from the sun [lx, RGB].
 fn on_open_ground(transport: &Transport, conditions: &Conditions, sky: &[DVec3]) -> [DVec3; 2] {
     let Some(ground) = conditions.ground else {
@@ -164,48 +196,6 @@ fn on_open_ground(transport: &Transport, conditions: &Conditions, sky: &[DVec3])
     }
     let depth = air.sun_optical_depth(place, sun.toward);
     [whole, sun.light.illuminance * sun.toward.y * (-depth).exp()]
-}
-
-/// The illuminance that the sun gives to a patch on average [lx, RGB].
-fn sun_on(transport: &Transport, conditions: &Conditions, patch: usize) -> DVec3 {
-    let sun = &conditions.sun;
-    let own = &transport.patches.all[patch];
-    if !sun.shines()
-        || transport.exchange.outside[patch].is_empty() && transport.exchange.to[patch].is_empty()
-    {
-        return DVec3::ZERO;
-    }
-    let near = transport.near(DVec3::ZERO);
-    let lit = |range: std::ops::Range<usize>| {
-        let mut sum = DVec3::ZERO;
-        let mut some = [false; 2];
-        for i in range {
-            let spot = own.spot(&spread(i, patch as u64));
-            let cosine = spot.normal.dot(sun.toward);
-            if cosine <= 0.0 {
-                continue;
-            }
-            let ray = Ray {
-                origin: spot.lifted(near),
-                direction: sun.toward,
-            };
-            let through = conditions.geometry.transmittance(&ray, 0.0, f64::INFINITY);
-            some[usize::from(through > 0.0)] = true;
-            if through > 0.0 {
-                let depth = conditions.air.sun_optical_depth(spot.point, sun.toward);
-                sum += through * cosine * (-depth).exp();
-            }
-        }
-        (sum, some)
-    };
-    let [few, many] = SUN_RAYS;
-    let (mut sum, some) = lit(0..few);
-    let mut count = few;
-    if some == [true, true] {
-        sum += lit(few..many).0;
-        count = many;
-    }
-    sun.light.illuminance * sum / count as f64
 }
 
 /// What each patch sends in the end [lm/m2, RGB], for what it receives from outside.

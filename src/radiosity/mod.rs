@@ -19,10 +19,13 @@ mod patches;
 mod planes;
 mod points;
 mod shards;
+mod sun;
+mod tiles;
 mod transport;
 
 pub use arrival::{Arrival, Care, Source};
 pub use dome::Dome;
 pub use lattice::{Lattice, Received};
 pub use light::{Account, Light};
+pub use tiles::Tile;
 pub use transport::{Detail, Transport};

@@ -1,8 +1,9 @@
 //! The patches: what of the scene's surfaces sends the same light everywhere.
 
 use super::arrival::{Source, cosine_law, spread};
-use super::cells::{Face, GROUND_TRIANGLE, faces};
+use super::cells::{Face, GROUND_TRIANGLE, Part, faces};
 use super::planes::{Home, Surfaces, corners};
+use super::tiles::Tile;
 use crate::colour::Space;
 use crate::conditions::Conditions;
 use crate::scene::{AlphaMode, Hit, Ray};
@@ -23,8 +24,10 @@ pub(super) struct Patches {
     pub first_alike: Vec<(u32, u8)>,
     /// The patch of each cluster.
     of_cluster: Vec<u32>,
-    /// All of them.
+    /// All of them, first those of the faces.
     pub all: Vec<Patch>,
+    /// The face, the cell and the part of each patch that has one.
+    parts: Vec<[u32; 3]>,
     ground: std::ops::Range<u32>,
     /// Whether there are too few for the shape of the scene.
     pub coarse: bool,
@@ -74,11 +77,13 @@ impl Patches {
         let (mut faces, coarse) = faces(conditions, &surfaces, share, room);
         let mut raw: Vec<(Vec<Piece>, f64)> = Vec::new();
         let mut ground = 0..0;
-        for face in &mut faces {
+        let mut parts = Vec::new();
+        for (f, face) in (0..).zip(&mut faces) {
             ground.start = raw.len() as u32;
             let plane = &face.plane;
-            for cell in &mut face.cells {
-                for part in &mut cell.parts {
+            for (c, cell) in (0..).zip(&mut face.cells) {
+                for (p, part) in (0..).zip(&mut cell.parts) {
+                    parts.push([f, c, p]);
                     part.patch = raw.len() as u32;
                     let mut pieces = Vec::new();
                     for (triangle, polygon) in &part.pieces {
@@ -153,30 +158,39 @@ impl Patches {
             faces,
             of_cluster,
             all,
+            parts,
             ground,
             coarse,
         }
     }
 
-    /// The patch that a ray meets on a triangle.
-    pub fn of_hit(&self, ray: &Ray, hit: &Hit) -> Source {
+    /// The face of a patch, and the part of a cell that it is; `None` of clusters.
+    pub fn part(&self, patch: usize) -> Option<(&Face, &Part)> {
+        let [face, cell, part] = self.parts.get(patch)?.map(|i| i as usize);
+        let face = &self.faces[face];
+        Some((face, &face.cells[cell].parts[part]))
+    }
+
+    /// The patch that a ray so wide [rad] meets on a triangle.
+    pub fn of_hit(&self, ray: &Ray, hit: &Hit, width: f64) -> Source {
         let back = self.facets[hit.triangle as usize].dot(ray.direction) > 0.0;
         match self.homes[hit.triangle as usize] {
             Home::Absent => Source::Nothing,
             Home::Cluster(sides) => {
-                Source::Patch(self.of_cluster[sides[usize::from(back)] as usize])
+                let cluster = sides[usize::from(back)] as usize;
+                Source::Patch(self.of_cluster[cluster], Tile::WHOLE)
             }
             Home::Plane(plane, front) => {
                 let face = 2 * plane as usize + usize::from(back == front);
-                self.on_face(face, ray.at(hit.distance))
+                self.on_face(face, ray.at(hit.distance), width * hit.distance)
                     .unwrap_or(Source::Nothing)
             }
         }
     }
 
-    /// The patch of the ground at a point; `None` far from everything.
-    pub fn of_ground(&self, point: DVec3) -> Option<Source> {
-        self.on_face(self.faces.len() - 1, point)
+    /// The patch of the ground around a point as far as `width` [m]; `None` far from everything.
+    pub fn of_ground(&self, point: DVec3, width: f64) -> Option<Source> {
+        self.on_face(self.faces.len() - 1, point, width)
     }
 
     /// Whether a triangle's vertices have normals that are not its own.
@@ -189,11 +203,12 @@ impl Patches {
         self.ground.contains(&patch)
     }
 
-    fn on_face(&self, face: usize, point: DVec3) -> Option<Source> {
+    fn on_face(&self, face: usize, point: DVec3, width: f64) -> Option<Source> {
         let face = &self.faces[face];
         let at = face.plane.flat(point);
         let (_, cell) = face.cell(at)?;
-        Some(Source::Patch(cell.part(at)?.patch))
+        let part = cell.part(at)?;
+        Some(Source::Patch(part.patch, part.tile(at, width)))
     }
 }
 

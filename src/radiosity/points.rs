@@ -1,10 +1,14 @@
 //! Points of surfaces that have been looked at from, whatever the moment.
 
-use super::arrival::Row;
+use super::arrival::Source;
 use super::shards::Shards;
+use glam::Vec3;
+
+/// What a point has seen of each source: the form factor [1] times what is let through on the way.
+pub(super) type Factors = Box<[(Source, Vec3)]>;
 
 /// What points have seen.
-pub(super) type Seen = Shards<Point, Row>;
+pub(super) type Seen = Shards<Point, Factors>;
 
 /// A point of the lattices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -43,6 +43,9 @@ pub struct Transport {
     pub(super) detail: Detail,
 }
 
+/// The width of a ray for which it does not count where on a patch it ends [rad].
+pub(super) const WHOLE: f64 = f64::INFINITY;
+
 /// What a ray meets.
 pub(super) struct Look {
     pub source: Source,
@@ -59,8 +62,8 @@ impl Transport {
         1e-10 * self.conditions.geometry.extent() + 1e-12 * far
     }
 
-    /// What a ray meets, and what is let through on the way.
-    pub(super) fn look(&self, ray: &Ray) -> Look {
+    /// What a ray meets that stands for a square of directions so wide [rad], and what is let through on the way.
+    pub(super) fn look(&self, ray: &Ray, width: f64) -> Look {
         let Conditions {
             geometry,
             air,
@@ -82,7 +85,7 @@ impl Transport {
         };
         if let Some(hit) = hit {
             return Look {
-                source: self.patches.of_hit(ray, &hit),
+                source: self.patches.of_hit(ray, &hit, width),
                 through: along(hit.distance),
                 distance: hit.distance,
             };
@@ -100,7 +103,7 @@ impl Transport {
         match ground {
             Some(ground) if origin.y >= ground.height => {
                 let distance = (origin.y - ground.height) / -direction.y;
-                let near = self.patches.of_ground(ray.at(distance));
+                let near = self.patches.of_ground(ray.at(distance), width * distance);
                 Look {
                     source: near.unwrap_or(Source::OpenGround),
                     through: along(distance),
@@ -120,7 +123,7 @@ impl Transport {
         match source {
             Source::Nothing => false,
             Source::Sky(_) | Source::OpenGround => true,
-            Source::Patch(patch) => self.patches.is_ground(patch),
+            Source::Patch(patch, _) => self.patches.is_ground(patch),
         }
     }
 }
