@@ -155,7 +155,7 @@ impl<'a> Reference<'a> {
     /// Takes the centres of pixels, on all cores.
     pub fn pixels(&self, pixels: &[UVec2]) -> Vec<Sample> {
         pixels
-            .par_chunks(64)
+            .par_chunks(batch(pixels.len(), 64))
             .flat_map_iter(|chunk| {
                 let aim = |pixel: &UVec2| Aim {
                     pixel: *pixel,
@@ -171,7 +171,7 @@ impl<'a> Reference<'a> {
     pub fn sampled(&self, pixels: &[UVec2], samples: u32) -> Vec<Values> {
         let offsets = sample_positions(samples);
         pixels
-            .par_chunks(16)
+            .par_chunks(batch(pixels.len(), 16))
             .flat_map_iter(|chunk| {
                 let whole: Vec<_> = chunk.iter().map(|p| (*p, Rerun::All)).collect();
                 self.means(&whole, &offsets)
@@ -301,6 +301,12 @@ fn put(film: &mut Film, pixel: UVec2, values: &Values, rerun: Rerun) {
             film.set(field, pixel, values[field as usize].as_vec3());
         }
     }
+}
+
+/// How many of so many pixels pass through the effects together: at most `most`, and few enough that every core has some.
+fn batch(pixels: usize, most: usize) -> usize {
+    let shares = 4 * rayon::current_num_threads();
+    pixels.div_ceil(shares).clamp(1, most)
 }
 
 /// Wall time that each effect of the whole picture will take, one ray a pixel, judged by 2048 pixels, or by as many as take about a second.

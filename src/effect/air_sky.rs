@@ -36,13 +36,13 @@ pub const AIR_SKY: Effect = Effect {
         Knob {
             name: "spacing",
             meaning: "distance of places at which the air's light is found, as a share of their distance from the eye",
-            values: [0.4, 0.25, 0.16, 0.12],
+            values: [0.4, 0.25, 0.16, 0.14],
             range: [0.01, 1.0],
         },
         Knob {
             name: "difference",
             meaning: "difference of the air's light that finer places resolve, times the part of the way from the eye on which it is",
-            values: [0.04, 0.015, 0.006, 0.003],
+            values: [0.04, 0.015, 0.006, 0.004],
             range: [1e-4, 1.0],
         },
         Knob {
@@ -54,13 +54,13 @@ pub const AIR_SKY: Effect = Effect {
         Knob {
             name: "rays",
             meaning: "rays from each of these places, before outlines are refined",
-            values: [64.0, 64.0, 400.0, 1225.0],
+            values: [64.0, 64.0, 400.0, 784.0],
             range: [16.0, 65536.0],
         },
         Knob {
             name: "outline",
             meaning: "share of the light of such a place that may be uncertain at outlines",
-            values: [0.05, 0.02, 0.004, 0.0015],
+            values: [0.05, 0.02, 0.004, 0.002],
             range: [1e-5, 1.0],
         },
     ],

@@ -1,7 +1,7 @@
 //! What stands in the way of light: triangles in f64 below bounding volumes in f32.
 //!
 //! Boxes are f32 around a local origin and inflated by more than f32 rounds away; rays are moved to the scene's bounds in
-//! f64 before they meet a box; which triangles are hit is decided in f64 ([`super::wide`] finds those that may be). So nothing is
+//! f64 before they meet a box; which triangles are hit is decided in f64 (`wide.rs` finds those that may be). So nothing is
 //! lost from a far camera or a far origin.
 //! Edges are tested by signed volumes that are exact negatives for two triangles that share the edge (Woop, Benthin & Wald
 //! 2013), so no ray slips between neighbours.
