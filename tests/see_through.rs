@@ -143,6 +143,13 @@ fn same_pictures(a: &Conditions, b: &Conditions) {
 fn same_light(a: &Conditions, b: &Conditions) {
     let (a, b) = (render(a), render(b));
     for (a, b) in a.layers.iter().zip(&b.layers) {
+        if a.name == Field::InscatterSky.name() {
+            // Where the air's places lie goes by the bounds, which count what is not there.
+            let wide = |rgb: &[glam::Vec3]| rgb.iter().map(|v| v.as_dvec3()).collect::<Vec<_>>();
+            let off = relative_rmse(&wide(&a.rgb), &wide(&b.rgb));
+            assert!(off < 2e-2, "{}: {off:.1e}", a.name);
+            continue;
+        }
         let off = |(a, b): &(&glam::Vec3, &glam::Vec3)| a.distance(**b) > 1e-5 * b.length();
         assert_eq!(
             a.rgb.iter().zip(&b.rgb).filter(off).count(),

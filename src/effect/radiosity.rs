@@ -48,31 +48,31 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "patches",
             meaning: "the most patches",
-            values: [4e3, 2.4e4, 4e4, 6e4],
+            values: [4e3, 2.4e4, 4e4, 4e4],
             range: [16.0, 1e6],
         },
         Knob {
             name: "patch_rays",
             meaning: "rays from all patches together",
-            values: [1e5, 5e5, 4e6, 1.2e7],
+            values: [1e5, 5e5, 4e6, 8e6],
             range: [16.0, 1e9],
         },
         Knob {
             name: "patch_spots",
             meaning: "points of patches from which small openings are looked at",
-            values: [0.0, 1.5e3, 1e4, 3e4],
+            values: [0.0, 1.5e3, 1e4, 1.5e4],
             range: [0.0, 1e7],
         },
         Knob {
             name: "bend",
             meaning: "share of light by which the middle between points may be off what they say",
-            values: [0.3, 0.15, 0.04, 0.02],
+            values: [0.3, 0.1, 0.04, 0.02],
             range: [1e-4, 10.0],
         },
         Knob {
             name: "depth",
             meaning: "how often cells between points may be quartered",
-            values: [1.0, 2.0, 4.0, 5.0],
+            values: [1.0, 3.0, 4.0, 5.0],
             range: [0.0, 8.0],
         },
         Knob {

@@ -30,6 +30,23 @@ pub struct Arrival {
     pub source: Source,
 }
 
+impl Arrival {
+    /// A part of it, where something else has the rest [1]: solid angles stay what they are, since they tell which directions it
+    /// stands for.
+    pub(super) fn weakened(self, map: &Map, part: f64) -> Self {
+        match map {
+            Map::Sphere => Arrival {
+                through: part as f32 * self.through,
+                ..self
+            },
+            Map::Cosine(_) => Arrival {
+                share: part as f32 * self.share,
+                ..self
+            },
+        }
+    }
+}
+
 /// How closely a place is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Care {

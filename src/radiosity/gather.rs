@@ -35,6 +35,8 @@ struct Square {
     kind: Kind,
     quarters: u32,
     arrival: Arrival,
+    /// Of surfaces before that which let a part of the light through.
+    before: Vec<Arrival>,
 }
 
 /// All cells of one place: the first n x n are the coarsest, row by row.
@@ -140,7 +142,8 @@ fn within_cell(level: u32, i: u32, j: u32) -> [f64; 2] {
 }
 
 impl Transport {
-    /// What a point of the air receives from all directions; the solid angles sum to 4 pi.
+    /// What a point of the air receives from all directions; the solid angles sum to 4 pi, but for those of surfaces that let a part
+    /// of the light through, which come on top.
     pub fn around(&self, point: DVec3, care: Care) -> Vec<Arrival> {
         self.gather(point, &Map::Sphere, care)
     }
@@ -164,17 +167,25 @@ impl Transport {
                 direction: toward,
             };
             let share = whole / (side * side);
-            let look = self.look(&ray, map.width(share, toward));
-            Square {
-                at: (level, i, j),
-                kind: self.kind(look.source),
-                quarters: 0,
-                arrival: Arrival {
+            let (look, part, before) = self.look_through(&ray, map.width(share, toward));
+            let arrival = |look: &Look, part: f64| {
+                let whole = Arrival {
                     toward: toward.as_vec3(),
                     share: share as f32,
                     through: look.through,
                     source: look.source,
-                },
+                };
+                whole.weakened(map, part)
+            };
+            Square {
+                at: (level, i, j),
+                kind: self.kind(look.source),
+                quarters: 0,
+                arrival: arrival(&look, part),
+                before: before
+                    .iter()
+                    .map(|(look, part)| arrival(look, *part))
+                    .collect(),
             }
         };
         let mut view = View {
@@ -240,7 +251,9 @@ impl Transport {
             }
         }
         let leaves = view.squares.into_iter().filter(|s| s.quarters == 0);
-        leaves.map(|square| square.arrival).collect()
+        leaves
+            .flat_map(|square| square.before.into_iter().chain([square.arrival]))
+            .collect()
     }
 
     /// Places in the square where there are openings.

@@ -38,7 +38,8 @@ struct Node {
     high: DVec2,
     depth: u32,
     corners: [Received; 4],
-    quarters: OnceLock<Option<Box<[Node; 4]>>>,
+    /// Those that were asked for, if it is divided.
+    quarters: OnceLock<Option<Box<[OnceLock<Node>; 4]>>>,
 }
 
 /// What points have seen is kept up to so many bytes; beyond, it is found anew for each moment.
@@ -120,14 +121,17 @@ impl Lattice {
         let root = &self.parts[part.patch as usize];
         let mut node = &**root.get_or_init(|| Box::new(look.node(part.low, part.high, 0)));
         loop {
-            let quarters = node
-                .quarters
-                .get_or_init(|| look.quarters(node, self.tolerance, self.depth));
+            let quarters = node.quarters.get_or_init(|| {
+                look.bends(node, self.tolerance, self.depth)
+                    .then(Box::default)
+            });
             let Some(quarters) = quarters else {
                 return Some(node.at(at));
             };
             let middle = 0.5 * (node.low + node.high);
-            node = &quarters[usize::from(at.x >= middle.x) + 2 * usize::from(at.y >= middle.y)];
+            let upper = [at.x >= middle.x, at.y >= middle.y];
+            let quarter = &quarters[usize::from(upper[0]) + 2 * usize::from(upper[1])];
+            node = quarter.get_or_init(|| look.quarter(node, upper));
         }
     }
 }
@@ -171,14 +175,14 @@ impl Look<'_> {
         }
     }
 
-    /// The quarters of a rectangle, where its middle is not what its corners say.
-    fn quarters(&self, node: &Node, tolerance: f64, depth: u32) -> Option<Box<[Node; 4]>> {
+    /// Whether the middle of a rectangle is not what its corners say.
+    fn bends(&self, node: &Node, tolerance: f64, depth: u32) -> bool {
         if node.depth >= depth {
-            return None;
+            return false;
         }
         let middle = 0.5 * (node.low + node.high);
         if !self.of.covers(middle) {
-            return None;
+            return false;
         }
         let whole = |received: &Received| luminance(received[0] + received[1]);
         let found = whole(&self.received(middle));
@@ -189,21 +193,20 @@ impl Look<'_> {
         let bends = (found - mean).abs() > tolerance * found.max(mean);
         // A shadow that passes between the corners and the middle shows by its steepness.
         let steep = most > 4.0 * least && node.depth + 2 < depth;
-        if !bends && !steep {
-            return None;
-        }
-        let quarter = |k: usize| {
-            let (x, y) = (k % 2 == 1, k / 2 == 1);
-            let pick = |upper: bool, low: f64, middle: f64, high: f64| match upper {
-                true => (middle, high),
-                false => (low, middle),
-            };
-            let (left, right) = pick(x, node.low.x, middle.x, node.high.x);
-            let (lower, upper) = pick(y, node.low.y, middle.y, node.high.y);
-            let (low, high) = (DVec2::new(left, lower), DVec2::new(right, upper));
-            self.node(low, high, node.depth + 1)
+        bends || steep
+    }
+
+    /// A quarter of a rectangle: on which side of the middle it lies, each way.
+    fn quarter(&self, node: &Node, upper: [bool; 2]) -> Node {
+        let middle = 0.5 * (node.low + node.high);
+        let pick = |upper: bool, low: f64, middle: f64, high: f64| match upper {
+            true => (middle, high),
+            false => (low, middle),
         };
-        Some(Box::new([0, 1, 2, 3].map(quarter)))
+        let (left, right) = pick(upper[0], node.low.x, middle.x, node.high.x);
+        let (lower, higher) = pick(upper[1], node.low.y, middle.y, node.high.y);
+        let (low, high) = (DVec2::new(left, lower), DVec2::new(right, higher));
+        self.node(low, high, node.depth + 1)
     }
 
     /// What the surface receives at a point, or as near to it as it goes on.

@@ -7,7 +7,7 @@ use super::openings::Openings;
 use super::patches::Patches;
 use super::points::Seen;
 use crate::conditions::Conditions;
-use crate::scene::{Ray, opacity};
+use crate::scene::{Hit, Ray, opacity};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicU64;
 
@@ -62,23 +62,42 @@ impl Transport {
         1e-10 * self.conditions.geometry.extent() + 1e-12 * far
     }
 
-    /// What a ray meets that stands for a square of directions so wide [rad], and what is let through on the way.
+    /// What a ray meets that stands for a square of directions so wide [rad], and what is let through on the way. Of surfaces that let a
+    /// part of the light through and what is behind them it is one, by chance.
     pub(super) fn look(&self, ray: &Ray, width: f64) -> Look {
-        let Conditions {
-            geometry,
-            air,
-            ground,
-            ..
-        } = &self.conditions;
-        let Ray { origin, direction } = *ray;
-        let clear = air.media.is_empty();
-        let through = |depth: DVec3| (-depth).exp().as_vec3();
+        let geometry = &self.conditions.geometry;
         let hit = if geometry.has_veils() {
-            let bits = direction.to_array().map(|x| (x.to_bits() >> 20) as u32);
+            let bits = (ray.direction.to_array()).map(|x| (x.to_bits() >> 20) as u32);
             geometry.seen(ray, opacity::choice([bits[0], bits[1] ^ bits[2]], 0))
         } else {
             geometry.closest(ray, 0.0, f64::INFINITY)
         };
+        self.look_at(ray, hit, width)
+    }
+
+    /// The same of all of them: what stops all light, the share of it that is seen [1], and each of the others with its own.
+    pub(super) fn look_through(&self, ray: &Ray, width: f64) -> (Look, f64, Vec<(Look, f64)>) {
+        let geometry = &self.conditions.geometry;
+        if !geometry.has_veils() {
+            return (self.look(ray, width), 1.0, Vec::new());
+        }
+        let (solid, veils) = geometry.met(ray, 0.0, f64::INFINITY);
+        let mut rest = 1.0;
+        let mut before = Vec::with_capacity(veils.len());
+        for veil in veils {
+            let look = self.look_at(ray, Some(veil.hit), width);
+            before.push((look, rest * (1.0 - veil.pass)));
+            rest *= veil.pass;
+        }
+        (self.look_at(ray, solid, width), rest, before)
+    }
+
+    /// What a ray meets whose first surface is known.
+    fn look_at(&self, ray: &Ray, hit: Option<Hit>, width: f64) -> Look {
+        let Conditions { air, ground, .. } = &self.conditions;
+        let Ray { origin, direction } = *ray;
+        let clear = air.media.is_empty();
+        let through = |depth: DVec3| (-depth).exp().as_vec3();
         let along = |distance: f64| match clear {
             true => Vec3::ONE,
             false => through(air.optical_depth(origin, direction, distance)),

@@ -83,7 +83,7 @@ pub(super) struct Node {
 
 /// A surface that lets a part of the light through, where a ray meets it.
 #[derive(Clone, Copy)]
-pub(super) struct Veil {
+pub(crate) struct Veil {
     pub hit: Hit,
     /// Which of the materials that let light through, from 1.
     pub kind: u32,
@@ -281,7 +281,7 @@ impl Geometry {
 
     /// The first surface on a ray that stops all light, and those before it that let a part through, in order. A ray that meets
     /// two triangles of one pane at the edge between them meets the pane once.
-    pub(super) fn met(&self, ray: &Ray, near: f64, far: f64) -> (Option<Hit>, Vec<Veil>) {
+    pub(crate) fn met(&self, ray: &Ray, near: f64, far: f64) -> (Option<Hit>, Vec<Veil>) {
         let mut solid: Option<Hit> = None;
         let mut veils = Vec::new();
         self.visit(ray, near, far, |index, hit| match self.veil(index) {
