@@ -149,7 +149,7 @@ fn drivers_keep_quiet_where_all_goes_well() {
         assert!(output.status.success(), "{text}");
         let ours = [
             "scene", "sun", "sky", "camera", "backend", "effects", "skipped", "samples", "time",
-            "exposure", "wrote",
+            "exposure", "wrote", "light",
         ];
         for line in text.lines() {
             assert!(ours.iter().any(|label| line.starts_with(label)), "{line}");

@@ -213,6 +213,11 @@ fn quality_follows_the_error_or_the_time_that_is_asked_for() {
             "reference",
             "-o",
             "a.png",
+            // What takes long at the quality `reference`, and is not needed to see which quality is chosen.
+            "--without",
+            "radiosity",
+            "--without",
+            "air_sky",
         ];
         tyndall(folder.path(), &[&always[..], arguments].concat())
     };

@@ -72,7 +72,7 @@ pub const RADIOSITY: Effect = Effect {
         Knob {
             name: "depth",
             meaning: "how often cells between points may be quartered",
-            values: [1.0, 3.0, 4.0, 5.0],
+            values: [1.0, 2.0, 4.0, 5.0],
             range: [0.0, 8.0],
         },
         Knob {
@@ -115,7 +115,9 @@ pub const RADIOSITY: Effect = Effect {
     },
     reference: |conditions, settings, kept| {
         let (transport, light) = solution(conditions, settings, kept);
-        kept.note(light.describe(&transport));
+        if conditions.geometry.triangle_count() > 0 {
+            kept.note(light.describe(&transport));
+        }
         let lattice = kept.get(&LATTICE, conditions, settings, || {
             Lattice::new(
                 &transport,

@@ -64,13 +64,24 @@ impl Transport {
             detail,
         };
         let all = vec![true; transport.patches.all.len()];
-        let few = transport.rows(&all, FEW, &[]);
+        let few = transport.rows(&all, FEW);
         let lit = Exchange::reached(&few);
         transport.openings = transport.find_openings(&lit);
         let count = lit.iter().filter(|lit| **lit).count().max(1);
         let rays = (detail.patch_rays / count).clamp(FEW, MANY);
         let spots = transport.spots(&few, &lit, detail.patch_spots);
-        let rows = transport.rows(&lit, rays, &spots);
+        let mut rows = match rays {
+            // The same rays would meet the same.
+            FEW => few,
+            rays => transport.rows(&lit, rays),
+        };
+        rows.par_iter_mut()
+            .enumerate()
+            .for_each(|(patch, row)| match spots[patch] {
+                _ if !lit[patch] => row.clear(),
+                0 => {}
+                spots => transport.look_outside(row, patch, spots),
+            });
         transport.exchange = Exchange::new(&transport.patches, rows);
         transport
     }
@@ -93,7 +104,7 @@ impl Transport {
     }
 
     /// What the wanted patches see along rays, by source: shares and what is let through of them.
-    fn rows(&self, wanted: &[bool], rays: usize, spots: &[usize]) -> Vec<Row> {
+    fn rows(&self, wanted: &[bool], rays: usize) -> Vec<Row> {
         let near = self.near(DVec3::ZERO);
         (0..self.patches.all.len())
             .into_par_iter()
@@ -110,9 +121,6 @@ impl Transport {
                         (look.source, share, share * look.through)
                     })
                     .collect();
-                if let Some(spots @ 1..) = spots.get(patch) {
-                    self.look_outside(&mut row, patch, *spots);
-                }
                 merge(&mut row);
                 row
             })
@@ -150,6 +158,7 @@ impl Transport {
             *through *= rest;
         }
         row.extend(seen);
+        merge(row);
     }
 
     /// Looks for openings from the patches that light reaches.
