@@ -35,6 +35,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`split_mix`] | deterministic numbers that look like chance |
 //! | [`units`], [`error`] | the unit rule; one error: what was wrong, where, the valid range, what to do |
 //! | [`memory`] | lists that may be large: made, or an error where memory does not suffice |
 //! | [`warning`] | what was left out, is doubtful or approximate, and what to do |
@@ -80,6 +81,7 @@ pub mod plan;
 pub mod radiosity;
 pub mod scene;
 pub mod sky;
+pub mod split_mix;
 pub mod studies;
 pub mod units;
 pub mod warning;

@@ -8,9 +8,30 @@ use std::f64::consts::{PI, TAU};
 /// Rings of directions in which the sky is looked at, and directions in each.
 const RINGS: [usize; 2] = [24, 72];
 
+/// The greatest luminances there can be [cd/m2].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Brightest {
+    /// Of the sky beside the sun's disc, among 1 728 directions and that toward the sun; 0 without a sky.
+    pub sky: f64,
+    /// Of a surface: r / (1 - r) times what the sun and the brightest part of the sky all over would make of a white one, r the greatest
+    /// reflectance of all, since each further reflection has at most r of the one before. Infinite where something reflects all
+    /// light; 0 where nothing reflects any.
+    pub surface: f64,
+}
+
 impl Conditions {
-    /// The greatest luminance of the sky beside the sun's disc [cd/m2] among 1 728 directions and that toward the sun; 0 without a sky.
-    pub fn brightest_sky(&self) -> f64 {
+    /// How bright sky and surfaces can be at most.
+    pub fn brightest(&self) -> Brightest {
+        let sky = self.brightest_sky();
+        let r = self.greatest_albedo();
+        let surface = match r {
+            0.0 => 0.0,
+            r => (self.sun.illuminance_lux() / PI + sky) * r / (1.0 - r).max(0.0),
+        };
+        Brightest { sky, surface }
+    }
+
+    fn brightest_sky(&self) -> f64 {
         let Some(sky) = &self.sky else {
             return 0.0;
         };
@@ -26,18 +47,6 @@ impl Conditions {
         let all = rings.chain(sun).chain([DVec3::Y]);
         all.map(|toward| luminance(sky.radiance(toward)))
             .fold(0.0, f64::max)
-    }
-
-    /// The greatest luminance that a surface can have [cd/m2]: r / (1 - r) times what the sun and the brightest part of the sky all
-    /// over would make of a white one, r the greatest reflectance of all, since each further reflection has at most r of the one
-    /// before. Infinite where something reflects all light; 0 where nothing reflects any.
-    pub fn brightest_surface(&self) -> f64 {
-        let r = self.greatest_albedo();
-        if r == 0.0 {
-            return 0.0;
-        }
-        let received = self.sun.illuminance_lux() + PI * self.brightest_sky();
-        received / PI * r / (1.0 - r).max(0.0)
     }
 
     /// The greatest reflectance of a surface, in any channel [1].

@@ -14,6 +14,7 @@ mod unused;
 mod view;
 
 pub use assemble::SolarGeometry;
+pub use brightest::Brightest;
 pub use inputs::{Input, Snapshot};
 pub use request::{CameraChoice, Request};
 pub use sun::Sun;

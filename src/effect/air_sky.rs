@@ -139,9 +139,8 @@ fn decide(conditions: &Conditions) -> Decision {
     if conditions.sky.is_none() && !conditions.sun.shines() {
         return Decision::nothing("neither sky nor sun gives light");
     }
-    let brightest = conditions
-        .brightest_sky()
-        .max(conditions.brightest_surface());
+    let brightest = conditions.brightest();
+    let brightest = brightest.sky.max(brightest.surface);
     if brightest == 0.0 {
         return Decision::nothing("there is no sky, and no surface reflects light");
     }
@@ -152,9 +151,6 @@ fn decide(conditions: &Conditions) -> Decision {
     let weight = albedo * -(-conditions.greatest_optical_depth()).exp_m1();
     Decision::run(
         format!("sky and surfaces light {}", conditions.media_phrase()),
-        match brightest.is_finite() {
-            true => Contribution::Bound(weight * brightest),
-            false => Contribution::Estimate(weight * conditions.typical_luminance()),
-        },
+        Contribution::at_most(weight * brightest, conditions),
     )
 }

@@ -89,6 +89,16 @@ pub enum Contribution {
     Everything,
 }
 
+impl Contribution {
+    /// No pixel gets more than `bound`; where that is infinite, a typical one of these conditions.
+    pub fn at_most(bound: f64, conditions: &Conditions) -> Self {
+        match bound.is_finite() {
+            true => Contribution::Bound(bound),
+            false => Contribution::Estimate(conditions.typical_luminance()),
+        }
+    }
+}
+
 impl Decision {
     /// It runs.
     pub fn run(reason: impl Into<String>, contribution: Contribution) -> Self {

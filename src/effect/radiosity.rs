@@ -93,24 +93,21 @@ pub const RADIOSITY: Effect = Effect {
             Receivers::Points(_) => (PI, "lx"),
             Receivers::Pixels => (conditions.greatest_albedo(), "cd/m2"),
         };
+        let brightest = conditions.brightest();
         // Ground that is flat and alone sends nothing to itself.
         let alone = conditions.geometry.triangle_count() == 0;
         let others = match alone {
             true => 0.0,
-            false => share * conditions.brightest_surface(),
+            false => share * brightest.surface,
         };
         let said = match alone {
             true => ", and no surface sends light to another".to_owned(),
             false if others.is_finite() => format!(", surfaces add at most {others:.0} {unit}"),
             false => String::new(),
         };
-        let bound = share * conditions.brightest_sky() + others;
         Decision::run(
             format!("the sky gives {sky:.0} lx on open ground{said}"),
-            match bound.is_finite() {
-                true => Contribution::Bound(bound),
-                false => Contribution::Estimate(conditions.typical_luminance()),
-            },
+            Contribution::at_most(share * brightest.sky + others, conditions),
         )
     },
     reference: |conditions, settings, kept| {

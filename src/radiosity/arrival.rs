@@ -1,6 +1,7 @@
 //! What a place receives, direction by direction.
 
 use super::tiles::Tile;
+use crate::split_mix::SplitMix;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -171,16 +172,12 @@ pub(super) fn cosine_law(x: f64, y: f64) -> DVec3 {
 /// Numbers of the additive sequence of the generalised golden ratio in five dimensions (Roberts 2018).
 pub(super) fn spread(index: usize, turn: u64) -> [f64; 5] {
     const RATIO: f64 = 1.134_724_138_401_519_4;
-    let mut bits = turn;
+    // Every patch has its own turn of the sequence.
+    let mut random = SplitMix(turn);
     let mut step = 1.0;
     std::array::from_fn(|_| {
         step /= RATIO;
-        // SplitMix64 (Steele, Lea & Flood 2014): every patch has its own turn of the sequence.
-        bits = bits.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        let start = ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        (start + index as f64 * step).fract()
+        (random.unit() + index as f64 * step).fract()
     })
 }
 

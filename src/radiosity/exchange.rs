@@ -22,6 +22,11 @@ pub(super) struct Exchange {
 }
 
 impl Exchange {
+    /// Whether a patch sees anything: those that no light reaches are not looked from.
+    pub fn sees(&self, patch: usize) -> bool {
+        !self.to[patch].is_empty() || !self.outside[patch].is_empty()
+    }
+
     /// Which patches light from outside can reach, directly or by others.
     pub fn reached(rows: &[Row]) -> Vec<bool> {
         let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); rows.len()];

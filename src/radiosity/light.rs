@@ -116,17 +116,13 @@ impl Light {
     pub fn of(&self, arrival: &Arrival) -> DVec3 {
         f64::from(arrival.share) * arrival.through.as_dvec3() * self.radiance(arrival.source)
     }
-}
 
-impl Light {
     /// How it came about, in words: patches, openings, where the light went; and why there is none.
     pub fn describe(&self, transport: &Transport) -> String {
         let all = &transport.patches;
         let exchange = &transport.exchange;
-        let sees =
-            |patch: usize| !exchange.to[patch].is_empty() || !exchange.outside[patch].is_empty();
-        let reached =
-            (0..all.all.len()).filter(|patch| sees(*patch) && !all.is_ground(*patch as u32));
+        let reached = (0..all.all.len())
+            .filter(|patch| exchange.sees(*patch) && !all.is_ground(*patch as u32));
         let surfaces = (0..all.all.len()).filter(|patch| !all.is_ground(*patch as u32));
         let (reached, surfaces) = (reached.count(), surfaces.count());
         let openings = match transport.openings.all().len() {

@@ -65,8 +65,7 @@ impl Lit {
 /// Finds it for the sun of `conditions`.
 pub(super) fn sun_on(transport: &Transport, conditions: &Conditions, patch: usize) -> Sunned {
     let sun = &conditions.sun;
-    let exchange = &transport.exchange;
-    if !sun.shines() || exchange.outside[patch].is_empty() && exchange.to[patch].is_empty() {
+    if !sun.shines() || !transport.exchange.sees(patch) {
         return Sunned::default();
     }
     if let Some((face, part)) = transport.patches.part(patch) {

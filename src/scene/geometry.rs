@@ -10,6 +10,7 @@ use super::cut_out::{AlphaMap, CutOut};
 use super::opacity::{Opacities, Opacity};
 use super::wide::{BoxRay, Wide};
 use super::{Ray, Scene};
+use crate::split_mix::SplitMix;
 use crate::warning::Warning;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -402,13 +403,9 @@ fn same(mut corners: [DVec3; 3]) -> [[u64; 3]; 3] {
 /// Three factors of 1 to 2, others for each number. Boxes that are all the same would be paired one after another in each pass
 /// over all of them, which takes the square of their number in time.
 fn uneven(number: usize) -> Vec3A {
-    let mut bits = number as u64;
+    let mut random = SplitMix(number as u64);
     Vec3A::from_array(std::array::from_fn(|_| {
-        // SplitMix64 (Steele, Lea & Flood 2014).
-        bits = bits.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        1.0 + ((mixed ^ (mixed >> 31)) >> 40) as f32 / (1 << 24) as f32
+        1.0 + (random.bits() >> 40) as f32 / (1 << 24) as f32
     }))
 }
 

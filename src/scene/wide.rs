@@ -393,6 +393,7 @@ mod tests {
     use super::*;
     use crate::scene::geometry::intersect;
     use crate::scene::{self, AlphaMode, Geometry, Hit, Material, Mesh, Ray, Scene};
+    use crate::split_mix::SplitMix;
     use glam::DVec2;
 
     type Triangle = [DVec3; 3];
@@ -432,15 +433,12 @@ mod tests {
         ]
     }
 
-    /// Numbers that look like chance (Steele, Lea & Flood 2014).
-    struct Chance(u64);
+    /// Numbers, places and directions that look like chance.
+    struct Chance(SplitMix);
 
     impl Chance {
         fn number(&mut self) -> f64 {
-            self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-            let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            ((mixed ^ (mixed >> 31)) >> 11) as f64 * 0.5f64.powi(53)
+            self.0.unit()
         }
 
         fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -491,7 +489,7 @@ mod tests {
 
     #[test]
     fn no_triangle_that_is_hit_is_left_out() {
-        let mut chance = Chance(1);
+        let mut chance = Chance(SplitMix(1));
         let extent = 2000.0;
         let (mut hits, mut named, mut tests) = (0, 0, 0);
         for _ in 0..1_000_000 {
@@ -550,7 +548,7 @@ mod tests {
     /// Aims rays at triangles from distances up to these, in lengths of the bounds, and compares; the share that hit.
     fn compare(name: &str, triangles: &[Triangle], aimed_at: usize, distances: &[f64]) -> f64 {
         let geometry = Geometry::new(&scene(triangles));
-        let mut chance = Chance(7);
+        let mut chance = Chance(SplitMix(7));
         let mut hits = 0;
         let rays = 4000;
         for k in 0..rays {
@@ -580,7 +578,7 @@ mod tests {
 
     #[test]
     fn rays_meet_what_a_test_of_every_triangle_finds() {
-        let mut chance = Chance(3);
+        let mut chance = Chance(SplitMix(3));
         let soup: Vec<Triangle> = (0..300)
             .map(|_| {
                 let size = 10f64.powf(chance.between(-3.0, -0.3));
@@ -634,7 +632,7 @@ mod tests {
 
     #[test]
     fn a_tree_of_any_depth_is_walked() {
-        let mut chance = Chance(5);
+        let mut chance = Chance(SplitMix(5));
         let corners: Vec<Triangle> = (0..100)
             .map(|_| {
                 let middle = 500.0 * chance.cube();
