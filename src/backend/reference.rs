@@ -8,7 +8,7 @@
 use super::film::Film;
 use super::rendering::{Limits, Progress, Rendered, StepTime};
 use crate::colour::luminance;
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, spread};
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
 use crate::error::Result;
 use crate::frame::{Frame, Layer, NO_HIT, Part};
@@ -359,26 +359,6 @@ pub fn predict(reference: &Reference) -> Vec<StepTime> {
                 time: Some(Duration::from_secs_f64(whole / cores.max(1.0))),
                 ..b.clone()
             }
-        })
-        .collect()
-}
-
-/// `count` pixels (or all, if there are fewer) spread evenly over a picture, any first part of them too (Roberts's R2
-/// sequence).
-pub fn spread(size: [u32; 2], count: usize) -> Vec<UVec2> {
-    const PLASTIC: f64 = 1.324_717_957_244_746;
-    let [w, h] = size.map(f64::from);
-    if w * h <= count as f64 {
-        return (0..size[1])
-            .flat_map(|y| (0..size[0]).map(move |x| UVec2::new(x, y)))
-            .collect();
-    }
-    (0..count)
-        .map(|i| {
-            let at = |power: f64, side: f64| {
-                ((0.5 + i as f64 / power).fract() * side).min(side - 1.0) as u32
-            };
-            UVec2::new(at(PLASTIC, w), at(PLASTIC * PLASTIC, h))
         })
         .collect()
 }

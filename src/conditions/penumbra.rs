@@ -4,13 +4,35 @@ use super::Conditions;
 use crate::beam::Beam;
 use crate::medium::Shape;
 use crate::scene::Projection;
+use crate::scene::penumbra::Edges;
 use glam::DVec2;
+
+/// Above so many of its radii the sun's disc counts as one direction for what the air takes of its light.
+const LOW: f64 = 8.0;
 
 impl Conditions {
     /// The beams of the sun's disc that shadows are made for: `count` of them, or one where no penumbra is as wide as a pixel.
     pub fn sun_beams(&self, count: usize) -> Vec<Beam> {
         let one = self.view.points().is_none() && self.widest_penumbra() < 1.0;
         self.sun.beams(if one { 1 } else { count })
+    }
+
+    /// The edges of shadows as the sun's disc makes them, and the beam that stands for its light as a whole; `None` where one point or
+    /// several have to do: no penumbra is as wide as a pixel, or the sun is so low that its light comes through other air from its
+    /// lower edge than from its upper one.
+    pub fn sun_edges(&self) -> Option<(Edges, Beam)> {
+        let radius = self.sun.angular_radius();
+        if self.sun.toward.y < (LOW * radius).sin() {
+            return None;
+        }
+        if self.view.points().is_none() && self.widest_penumbra() < 1.0 {
+            return None;
+        }
+        let edges = Edges::new(&self.geometry, self.sun.disc()?);
+        Some((
+            edges,
+            Beam::parallel(self.sun.toward, self.sun.light.illuminance),
+        ))
     }
 
     /// No penumbra in the air or on the ground is wider in the picture than this [pixels]; infinite where that cannot be said.

@@ -2,6 +2,7 @@
 
 use crate::beam::Beam;
 use crate::colour::luminance;
+use crate::scene::disc::Disc;
 use crate::sky::{SunLight, sun};
 use glam::{DMat2, DVec2, DVec3};
 
@@ -49,6 +50,16 @@ impl Sun {
     /// Solid angle of the whole disc [sr].
     pub fn solid_angle(&self) -> f64 {
         self.light.solid_angle()
+    }
+
+    /// Its disc; `None` of a point sun.
+    pub fn disc(&self) -> Option<Disc> {
+        let exponent = match self.limb_darkening {
+            true => sun::LIMB_EXPONENT,
+            false => DVec3::ZERO,
+        };
+        (self.angular_radius() > 0.0)
+            .then(|| Disc::new(self.toward, self.angular_radius(), exponent))
     }
 
     fn limb(&self, rho: f64) -> DVec3 {

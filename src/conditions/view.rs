@@ -3,7 +3,7 @@
 use super::checks;
 use crate::error::{Error, Result};
 use crate::scene::{Camera, Projection};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, UVec2};
 use std::sync::Arc;
 
 /// What light is computed for.
@@ -164,4 +164,24 @@ fn middle(mut values: Vec<f64>) -> f64 {
         true => *upper,
         false => lower,
     }
+}
+
+/// `count` pixels (or all, if there are fewer) spread evenly over a picture, any first part of them too (Roberts's R2
+/// sequence).
+pub fn spread(size: [u32; 2], count: usize) -> Vec<UVec2> {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let [w, h] = size.map(f64::from);
+    if w * h <= count as f64 {
+        return (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| UVec2::new(x, y)))
+            .collect();
+    }
+    (0..count)
+        .map(|i| {
+            let at = |power: f64, side: f64| {
+                ((0.5 + i as f64 / power).fract() * side).min(side - 1.0) as u32
+            };
+            UVec2::new(at(PLASTIC, w), at(PLASTIC * PLASTIC, h))
+        })
+        .collect()
 }

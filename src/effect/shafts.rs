@@ -10,8 +10,9 @@
 //! scattered light is missing from each further order.
 
 use super::{Batch, Contribution, Decision, Field, Kept, Knob, Settings, sun_beams};
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, spread};
 use crate::medium::Scattering;
+use crate::scene::penumbra::{Edges, NODES, SoftShade};
 use glam::DVec3;
 
 /// The knob that all methods have: as many points stand for the sun's disc.
@@ -20,6 +21,14 @@ pub const SUNS: Knob = Knob {
     meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), lit runs for each",
     values: [1.0, 4.0, 16.0, 128.0],
     range: [1.0, 4096.0],
+};
+
+/// The knob that says whether the disc is more than points.
+pub const DISC: Knob = Knob {
+    name: "disc",
+    meaning: "1: the sun's disc as it is, points only where edges are too many to be told apart; 0: points everywhere",
+    values: [0.0, 1.0, 1.0, 0.0],
+    range: [0.0, 1.0],
 };
 
 /// Whether the air of a scene shows the sun's light, and how much of it at most.
@@ -59,13 +68,37 @@ pub fn decide(conditions: &Conditions) -> Decision {
     )
 }
 
+/// Whether most of a picture's rays can tell the edges of their shadows apart: where few can, to try it is a waste.
+fn are_told_apart(conditions: &Conditions, edges: &Edges) -> bool {
+    const RAYS: usize = 64;
+    let pixels = spread(conditions.view.size, RAYS);
+    let mut shade = SoftShade::default();
+    let told = pixels.iter().filter(|pixel| {
+        let ray = conditions.view.ray(pixel.as_dvec2() + 0.5);
+        let hit = conditions.geometry.closest(&ray, 0.0, f64::INFINITY);
+        let end = hit.map_or(f64::INFINITY, |hit| hit.distance);
+        let end = end.min(conditions.air.end(ray.origin, ray.direction));
+        conditions
+            .geometry
+            .soft_shade(&ray, end, edges, std::iter::empty(), &mut shade)
+    });
+    2 * told.count() > pixels.len()
+}
+
 /// The exact lit runs and their integrals, for whichever method.
 pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Kept) -> Batch<'a> {
     let beams = sun_beams(conditions, settings);
+    let edges = match settings.get("disc") > 0.0 {
+        true => conditions
+            .sun_edges()
+            .filter(|edges| are_told_apart(conditions, &edges.0)),
+        false => None,
+    };
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
     Box::new(move |fields| {
         let mut shades = Vec::new();
+        let mut soft = SoftShade::default();
         fields.update(Field::InscatterSun, |ray, _, surface, present| {
             // On a ray that meets nothing the clear air only takes from what other media send.
             let (air, within) = match surface.is_met() {
@@ -76,8 +109,22 @@ pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Ke
             if end <= 0.0 {
                 return present;
             }
-            conditions.geometry.shades(ray, end, &beams, &mut shades);
+            let geometry = &conditions.geometry;
             let mut sum = DVec3::ZERO;
+            if let Some((edges, beam)) = &edges {
+                let scattering = Scattering::new(air, ray.origin, ray.direction, end, beam);
+                let is_told = geometry.soft_shade(ray, end, edges, scattering.borders(), &mut soft);
+                if is_told {
+                    for ([from, to], pass) in &soft.lit {
+                        sum += *pass * scattering.integrate(*from, *to);
+                    }
+                    for ramp in &soft.ramps {
+                        sum += scattering.integrate_shares(ramp.run, &NODES, &ramp.shares);
+                    }
+                    return present + beam.strength() * sum;
+                }
+            }
+            geometry.shades(ray, end, &beams, &mut shades);
             for (beam, shade) in beams.iter().zip(&shades) {
                 let scattering = Scattering::new(air, ray.origin, ray.direction, end, beam);
                 for ([from, to], pass) in shade.lit(end) {

@@ -18,7 +18,7 @@
 //! ray need no samples: their pixels read that place.
 
 use super::method::Method;
-use super::shafts::{self, SUNS};
+use super::shafts::{self, DISC, SUNS};
 use super::{
     Effect, Extent, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, rows,
     sun_beams,
@@ -32,6 +32,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
     writes: &[Field::InscatterSun],
     method: Some(Method::Epipolar),
     knobs: &[
+        DISC,
         SUNS,
         rows::ROWS,
         rows::COLUMNS,

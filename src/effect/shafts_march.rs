@@ -6,7 +6,7 @@
 //! error; with `halvings` the borders that are found are made finer. A thing thinner than a step is seen or missed by chance: the error falls only as 1 / steps.
 
 use super::method::Method;
-use super::shafts::{self, SUNS};
+use super::shafts::{self, DISC, SUNS};
 use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, sun_beams};
 
 /// Marching.
@@ -17,6 +17,7 @@ pub const SHAFTS_MARCH: Effect = Effect {
     writes: &[Field::InscatterSun],
     method: Some(Method::March),
     knobs: &[
+        DISC,
         SUNS,
         Knob {
             name: "steps",

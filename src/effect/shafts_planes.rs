@@ -24,7 +24,7 @@
 //! as 1 / planes, and whatever is thinner than a slab is seen or missed by chance, on neighbouring rays alike.
 
 use super::method::Method;
-use super::shafts::{self, SUNS};
+use super::shafts::{self, DISC, SUNS};
 use super::{
     Effect, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, sun_beams,
 };
@@ -38,6 +38,7 @@ pub const SHAFTS_PLANES: Effect = Effect {
     writes: &[Field::InscatterSun],
     method: Some(Method::Planes),
     knobs: &[
+        DISC,
         SUNS,
         Knob {
             name: "planes",

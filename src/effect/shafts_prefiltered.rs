@@ -13,7 +13,7 @@
 //! sum_j osc_j (t_j+1 - t_j) F_j (1 - F_j), osc_j the range of the integrand in the part.
 
 use super::method::Method;
-use super::shafts::{self, SUNS};
+use super::shafts::{self, DISC, SUNS};
 use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, When, rows, sun_beams};
 
 /// Prefix sums of filtered rows.
@@ -24,6 +24,7 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
     writes: &[Field::InscatterSun],
     method: Some(Method::Prefiltered),
     knobs: &[
+        DISC,
         SUNS,
         // No finer than that the sums stay below the 128 MiB that every device takes.
         Knob {

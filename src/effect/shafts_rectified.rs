@@ -11,7 +11,7 @@
 //! neighbour's heights, which darkens the last cells at silhouettes and on grazing ground. One row is the default.
 
 use super::method::Method;
-use super::shafts::{self, SUNS};
+use super::shafts::{self, DISC, SUNS};
 use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows, sun_beams};
 
 /// The main method.
@@ -22,6 +22,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
     writes: &[Field::InscatterSun],
     method: Some(Method::Rectified),
     knobs: &[
+        DISC,
         SUNS,
         rows::ROWS,
         rows::COLUMNS,

@@ -5,11 +5,13 @@
 //! f32: relative to the anchor, with planes that were made in f64, so that a shadow is as exact at its edges and in corners as
 //! elsewhere. A surface whose own triangle faces away from the sun is dark, whatever its interpolated normal says.
 
+use super::shafts::{DISC, SUNS};
 use super::{
     Contribution, Decision, Effect, Field, Knob, Over, Pass, Resource, Source, When, sun_beams,
 };
 use crate::conditions::Conditions;
 use crate::scene::Ray;
+use crate::scene::disc::{DiscWork, Facing};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -19,12 +21,13 @@ pub const SURFACE_SUN: Effect = Effect {
     summary: "sunlight reflected by surfaces, with exact shadows",
     reads: &[Field::Surface],
     writes: &[Field::Sun],
-    knobs: &[Knob {
-        name: "suns",
-        meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), one shadow ray each",
-        values: [1.0, 4.0, 16.0, 128.0],
-        range: [1.0, 4096.0],
-    }],
+    knobs: &[
+        DISC,
+        Knob {
+            meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), one shadow ray each",
+            ..SUNS
+        },
+    ],
     decide: |conditions| {
         if let Some(reason) = conditions.sun.missing() {
             return Decision::nothing(reason);
@@ -38,13 +41,39 @@ pub const SURFACE_SUN: Effect = Effect {
     },
     reference: |conditions, settings, _| {
         let beams = sun_beams(conditions, settings);
+        let disc = match settings.get("disc") > 0.0 {
+            true => conditions.sun_edges(),
+            false => None,
+        };
         Box::new(move |fields| {
+            let mut work = DiscWork::default();
             fields.update(Field::Sun, |_, _, surface, present| {
                 if !surface.is_met() {
                     return present;
                 }
                 let near = clearance(conditions, surface.position);
-                let skip_ground = matches!(surface.source, Source::Ground);
+                let origin = match surface.source {
+                    Source::Ground => surface.position,
+                    _ => surface.position + near * surface.facet,
+                };
+                if let Some((edges, beam)) = &disc {
+                    let facing = Facing {
+                        facet: surface.facet,
+                        normal: surface.normal,
+                    };
+                    let disc = edges.disc();
+                    if !disc.is_before(surface.facet) || !disc.is_before(surface.normal) {
+                        return present;
+                    }
+                    let geometry = &conditions.geometry;
+                    let share = geometry.disc_through(disc, origin, Some(&facing), &mut work);
+                    if share == DVec3::ZERO {
+                        return present;
+                    }
+                    let depth = conditions.air.beam_optical_depth(surface.position, beam);
+                    let received = share * beam.strength() * (-depth).exp();
+                    return present + surface.albedo / PI * received;
+                }
                 let mut sum = DVec3::ZERO;
                 for beam in &beams {
                     let toward = beam.toward_from(surface.position);
@@ -52,11 +81,6 @@ pub const SURFACE_SUN: Effect = Effect {
                     if cosine <= 0.0 || surface.facet.dot(toward) <= 0.0 {
                         continue;
                     }
-                    let origin = if skip_ground {
-                        surface.position
-                    } else {
-                        surface.position + near * surface.facet
-                    };
                     let ray = Ray {
                         origin,
                         direction: toward,

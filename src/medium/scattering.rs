@@ -158,6 +158,46 @@ impl Scattering {
         sum
     }
 
+    /// Where along the ray media begin and end, or their depth toward the sun bends [m].
+    pub fn borders(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pieces.iter().map(|piece| piece.from).skip(1)
+    }
+
+    /// The integral over a part between two of [`Scattering::borders`] of parallel light, of which at each of `nodes`, places of 0 to 1
+    /// and weights of a quadrature, a share arrives, by channel. In between shares are those of the polynomial through them.
+    pub fn integrate_shares<const N: usize>(
+        &self,
+        [from, to]: [f64; 2],
+        nodes: &[(f64, f64); N],
+        shares: &[DVec3; N],
+    ) -> DVec3 {
+        let middle = 0.5 * (from + to);
+        let piece = self.pieces.partition_point(|piece| piece.to <= middle);
+        let Some(piece) = self.pieces.get(piece) else {
+            return DVec3::ZERO;
+        };
+        let length = to - from;
+        let depth = |t: f64| self.depth(piece, t);
+        // Three points say how much it changes, heights too that go down and up again.
+        let ends = [from, middle, to].map(depth);
+        let change = (ends[1] - ends[0]).abs() + (ends[2] - ends[1]).abs();
+        // The most parts: what is deeper is not seen.
+        const PARTS: f64 = 64.0;
+        let parts = (2.0 * change.max_element()).ceil().clamp(1.0, PARTS);
+        let mut sum = DVec3::ZERO;
+        for part in 0..parts as u32 {
+            for (k, (node, weight)) in nodes.iter().enumerate() {
+                let place = (f64::from(part) + node) / parts;
+                let share = match parts {
+                    1.0 => shares[k],
+                    _ => between(nodes, shares, place),
+                };
+                sum += *weight * share * self.integrand(piece, from + place * length);
+            }
+        }
+        length / parts * sum
+    }
+
     fn integrate_piece(&self, piece: &Piece, a: f64, b: f64) -> DVec3 {
         let start = piece.depth + piece.slope * (a - piece.from);
         let dark = |term: &HeightTerm| term.source == DVec3::ZERO;
@@ -230,6 +270,18 @@ impl Scattering {
         }
         sum
     }
+}
+
+/// The polynomial through values at nodes (Lagrange), not below zero.
+fn between<const N: usize>(nodes: &[(f64, f64); N], values: &[DVec3; N], place: f64) -> DVec3 {
+    let weight = |i: usize| {
+        let others = (0..N).filter(|j| *j != i).map(|j| nodes[j].0);
+        others
+            .map(|other| (place - other) / (nodes[i].0 - other))
+            .product::<f64>()
+    };
+    let sum: DVec3 = (0..N).map(|i| weight(i) * values[i]).sum();
+    sum.max(DVec3::ZERO)
 }
 
 /// An optical depth through which nothing is seen: e^-100 of the sun is less than a photon.

@@ -17,6 +17,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 use std::collections::{HashMap, HashSet};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 /// Where a ray meets a triangle.
@@ -60,6 +61,8 @@ pub struct Geometry {
     passes: Vec<f64>,
     rays: Wide,
     pub(super) nodes: Vec<Node>,
+    /// The triangles beside each, as far as someone has asked.
+    pub(super) neighbours: OnceLock<Vec<[u32; 3]>>,
     /// Diagonal of the bounds [m].
     pub(super) extent: f64,
     /// Box units in a metre, a power of two: see [`BOX_EXTENT`].
@@ -184,6 +187,7 @@ impl Geometry {
             passes,
             rays,
             nodes,
+            neighbours: OnceLock::new(),
             extent,
             scale,
         }

@@ -92,7 +92,7 @@ impl Shade {
 }
 
 /// Adds a run to sorted, separate ones, joined with those that it touches (within `together`).
-fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
+pub(super) fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
     let first = runs.partition_point(|r| r[1] + together < run[0]);
     let after = first + runs[first..].partition_point(|r| r[0] <= run[1] + together);
     if first == after {
