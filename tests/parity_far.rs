@@ -307,7 +307,9 @@ fn pictures(scene: Scene, camera: Camera) -> [Frame; 2] {
     let overrules = Overrules {
         quality: Quality::Preview,
         set: [
+            ("surface_sun.disc", 0.0),
             ("surface_sun.suns", 1.0),
+            ("shafts_rectified.disc", 0.0),
             ("shafts_rectified.suns", 1.0),
             // The light of sky and surfaces is the same code on both, so it only has to be there.
             ("radiosity.rays", 16.0),

@@ -7,9 +7,12 @@ use common::shafts::by_reference;
 use common::views::*;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
+use tyndall::backend::Limits;
+use tyndall::backend::reference::Reference;
 use tyndall::conditions::Conditions;
 use tyndall::effect::Field;
 use tyndall::medium::{Phase, Shape};
+use tyndall::plan::{Overrules, Plan};
 use tyndall::scene::Camera;
 
 /// As many points as are held to be the truth.
@@ -250,4 +253,81 @@ fn a_far_slit_has_the_profile_of_a_uniform_disc() {
         point[0] > 0.1 && point[1] > 0.4,
         "a point passes for a disc: {point:?}"
     );
+}
+
+/// A floor on which plates, a column and a picket fence throw shadows: narrow ones, and wide ones from far above.
+fn floor() -> StudyView {
+    let mut triangles = quad(
+        DVec3::new(-30.0, 0.0, 30.0),
+        DVec3::X * 60.0,
+        DVec3::NEG_Z * 60.0,
+    )
+    .to_vec();
+    let plate = |x: [f64; 2], y: f64, z: [f64; 2]| {
+        let (wide, deep) = (x[1] - x[0], z[1] - z[0]);
+        quad(DVec3::new(x[0], y, z[0]), DVec3::X * wide, DVec3::Z * deep)
+    };
+    triangles.extend(plate([-9.0, -6.0], 40.0, [-70.0, 70.0]));
+    triangles.extend(plate([-60.0, 60.0], 80.0, [-60.0, -50.0]));
+    triangles.extend(column(DVec3::new(0.0, 0.0, -3.0), 0.4, 5.0));
+    for i in 0..12 {
+        let x = 2.0 + 0.5 * f64::from(i);
+        triangles.extend(quad(
+            DVec3::new(x, 0.0, 2.0),
+            DVec3::X * 0.3,
+            DVec3::Y * 3.0,
+        ));
+    }
+    let mut scene = scene(&triangles, 20.0, 50.0);
+    if let Some(sun) = &mut scene.sun {
+        sun.diameter_deg = Some(DIAMETER);
+    }
+    StudyView {
+        name: "floor",
+        scene,
+        camera: Camera::look_at(
+            DVec3::new(0.0, 12.0, 14.0),
+            DVec3::new(0.0, 0.0, -4.0),
+            60f64.to_radians(),
+        ),
+    }
+}
+
+fn floor_light(conditions: &Conditions, on_gpu: bool, set: &[(&str, f64)]) -> Vec<f64> {
+    let overrules = Overrules {
+        set: set.iter().map(|(knob, v)| (knob.to_string(), *v)).collect(),
+        without: ["radiosity", "air_sky", "sky_dome", "sun_disc"]
+            .map(str::to_owned)
+            .to_vec(),
+        ..Overrules::default()
+    };
+    let plan = Plan::new(conditions, &overrules).expect("the plan is sound");
+    let frame = match on_gpu {
+        true => common::shafts::render(&plan).frame,
+        false => {
+            let rendered = Reference::new(&plan).render(&Limits::memory(1 << 30), &|_| {});
+            rendered.expect("it fits").frame
+        }
+    };
+    layer(&frame, Field::Sun).iter().map(|v| v.y).collect()
+}
+
+#[test]
+fn edges_on_a_floor_are_those_of_thousands_of_points() {
+    let conditions = floor().conditions([160, 120]).expect("sound");
+    let by_points = |count: f64| {
+        let set = [("surface_sun.disc", 0.0), ("surface_sun.suns", count)];
+        floor_light(&conditions, false, &set)
+    };
+    let truth = by_points(4096.0);
+    let [exact, few] =
+        [floor_light(&conditions, false, &[]), by_points(4.0)].map(|f| off(&f, &truth));
+    println!("floor: {exact:.5?}, by 4 points {few:.5?}");
+    assert!(exact[0] < 0.005 && exact[1] < 0.02, "{exact:?}");
+    assert!(few[0] > 0.01, "nothing is soft: {few:?}");
+    if common::gpu("edges_on_a_floor_are_those_of_thousands_of_points") {
+        let found = off(&floor_light(&conditions, true, &[]), &truth);
+        println!("on a GPU {found:.5?}");
+        assert!(found[0] < 0.005 && found[1] < 0.02, "{found:?}");
+    }
 }

@@ -21,18 +21,20 @@ impl Conditions {
     /// several have to do: no penumbra is as wide as a pixel, or the sun is so low that its light comes through other air from its
     /// lower edge than from its upper one.
     pub fn sun_edges(&self) -> Option<(Edges, Beam)> {
+        let beam = self.whole_sun()?;
+        Some((Edges::new(&self.geometry, self.sun.disc()?), beam))
+    }
+
+    /// The beam that stands for the light of the sun's whole disc where [`Conditions::sun_edges`] has its edges.
+    pub fn whole_sun(&self) -> Option<Beam> {
         let radius = self.sun.angular_radius();
-        if self.sun.toward.y < (LOW * radius).sin() {
-            return None;
-        }
-        if self.view.points().is_none() && self.widest_penumbra() < 1.0 {
-            return None;
-        }
-        let edges = Edges::new(&self.geometry, self.sun.disc()?);
-        Some((
-            edges,
-            Beam::parallel(self.sun.toward, self.sun.light.illuminance),
-        ))
+        let is_low = self.sun.toward.y < (LOW * radius).sin();
+        let is_narrow = self.view.points().is_none() && self.widest_penumbra() < 1.0;
+        (radius > 0.0 && !is_low && !is_narrow).then_some(Beam::Parallel {
+            toward: self.sun.toward,
+            illuminance: self.sun.light.illuminance,
+            angular_radius: radius,
+        })
     }
 
     /// No penumbra in the air or on the ground is wider in the picture than this [pixels]; infinite where that cannot be said.

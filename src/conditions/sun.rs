@@ -54,12 +54,16 @@ impl Sun {
 
     /// Its disc; `None` of a point sun.
     pub fn disc(&self) -> Option<Disc> {
-        let exponent = match self.limb_darkening {
+        (self.angular_radius() > 0.0)
+            .then(|| Disc::new(self.toward, self.angular_radius(), self.limb_exponent()))
+    }
+
+    /// Its luminance falls as (1 - rho^2)^(exponent / 2) toward the limb, by channel; 0 of a uniform disc.
+    pub fn limb_exponent(&self) -> DVec3 {
+        match self.limb_darkening {
             true => sun::LIMB_EXPONENT,
             false => DVec3::ZERO,
-        };
-        (self.angular_radius() > 0.0)
-            .then(|| Disc::new(self.toward, self.angular_radius(), exponent))
+        }
     }
 
     fn limb(&self, rho: f64) -> DVec3 {

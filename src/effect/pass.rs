@@ -192,7 +192,8 @@ pub enum Resource {
     Materials,
     /// Texels of all textures: `texels: array<u32>`.
     Texels,
-    /// Whether anything stands between a surface and the pass's beam, exactly: `is_shaded(p, own)`, by the tree of all casters. The
+    /// Whether anything stands between a surface and the pass's beam, exactly: `is_shaded(p, own)`, by the tree of all casters; and how
+    /// much of a disc is seen past them: `disc_through(disc, p, own, facet, normal)`. The
     /// pass runs for each beam, and names attributes, facets, materials and texels too. It does without the
     /// beam's shadow maps, which need not have been drawn: what asks them, `beam_reaches` for one, finds light everywhere.
     CasterTree,

@@ -18,7 +18,7 @@ use glam::DVec3;
 /// The knob that all methods have: as many points stand for the sun's disc.
 pub const SUNS: Knob = Knob {
     name: "suns",
-    meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), lit runs for each",
+    meaning: "points of the sun's disc where it is not `disc` (one where no penumbra is as wide as a pixel), lit runs for each",
     values: [1.0, 4.0, 16.0, 128.0],
     range: [1.0, 4096.0],
 };
@@ -26,7 +26,7 @@ pub const SUNS: Knob = Knob {
 /// The knob that says whether the disc is more than points.
 pub const DISC: Knob = Knob {
     name: "disc",
-    meaning: "1: the sun's disc as it is, points only where edges are too many to be told apart; 0: points everywhere",
+    meaning: "1: the sun's disc as it is, `suns` points only where edges are too many to be told apart; 0: points everywhere",
     values: [0.0, 1.0, 1.0, 0.0],
     range: [0.0, 1.0],
 };
@@ -86,7 +86,11 @@ fn are_told_apart(conditions: &Conditions, edges: &Edges) -> bool {
 }
 
 /// The exact lit runs and their integrals, for whichever method.
-pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Kept) -> Batch<'a> {
+pub fn reference<'a>(
+    conditions: &'a Conditions,
+    settings: &Settings<'_>,
+    kept: &Kept,
+) -> Batch<'a> {
     let beams = sun_beams(conditions, settings);
     let edges = match settings.get("disc") > 0.0 {
         true => conditions

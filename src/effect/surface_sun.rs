@@ -1,14 +1,21 @@
 //! Sunlight on surfaces, with exact shadows.
 //!
-//! L = albedo / pi * sum over the points of the sun's disc of E w cos(theta) V e^-tau, V by one shadow ray in f64 a point: the share
-//! of light that the surfaces on it let through. A point sun has one. On a GPU the ray goes through the same tree of triangles in
-//! f32: relative to the anchor, with planes that were made in f64, so that a shadow is as exact at its edges and in corners as
-//! elsewhere. A surface whose own triangle faces away from the sun is dark, whatever its interpolated normal says.
+//! L = albedo / pi * E * integral over the sun's disc of w cos(theta) V e^-tau: what of the disc is seen past all casters is found
+//! from their edges ([`crate::scene::disc`]), so that penumbrae have no steps and are as narrow as they are where things touch.
+//! On a GPU the same triangles are found in the tree of casters, and what they cover of the disc is counted in 512 parts of it.
+//!
+//! Where `disc` is 0, where no penumbra is as wide as a pixel, and where the sun is low, the disc is a sum over points, V by one
+//! shadow ray in f64 a point: the share of light that the surfaces on it let through. A point sun has one. On a GPU the ray goes
+//! through the same tree of triangles in f32: relative to the anchor, with planes that were made in f64, so that a shadow is as exact
+//! at its edges and in corners as elsewhere. A surface whose own triangle faces away from the sun is dark, whatever its
+//! interpolated normal says.
 
 use super::shafts::{DISC, SUNS};
 use super::{
-    Contribution, Decision, Effect, Field, Knob, Over, Pass, Resource, Source, When, sun_beams,
+    Contribution, Decision, Effect, Field, Knob, Number, Over, Pass, Resource, Settings, Source,
+    When, sun_beams,
 };
+use crate::beam::Beam;
 use crate::conditions::Conditions;
 use crate::scene::Ray;
 use crate::scene::disc::{DiscWork, Facing};
@@ -24,7 +31,7 @@ pub const SURFACE_SUN: Effect = Effect {
     knobs: &[
         DISC,
         Knob {
-            meaning: "points of the sun's disc (one where no penumbra is as wide as a pixel), one shadow ray each",
+            meaning: "points of the sun's disc where it is not `disc` (one where no penumbra is as wide as a pixel), one shadow ray each",
             ..SUNS
         },
     ],
@@ -41,10 +48,7 @@ pub const SURFACE_SUN: Effect = Effect {
     },
     reference: |conditions, settings, _| {
         let beams = sun_beams(conditions, settings);
-        let disc = match settings.get("disc") > 0.0 {
-            true => conditions.sun_edges(),
-            false => None,
-        };
+        let whole = whole_sun(conditions, settings).zip(conditions.sun.disc());
         Box::new(move |fields| {
             let mut work = DiscWork::default();
             fields.update(Field::Sun, |_, _, surface, present| {
@@ -56,12 +60,11 @@ pub const SURFACE_SUN: Effect = Effect {
                     Source::Ground => surface.position,
                     _ => surface.position + near * surface.facet,
                 };
-                if let Some((edges, beam)) = &disc {
+                if let Some((beam, disc)) = &whole {
                     let facing = Facing {
                         facet: surface.facet,
                         normal: surface.normal,
                     };
-                    let disc = edges.disc();
                     if !disc.is_before(surface.facet) || !disc.is_before(surface.normal) {
                         return present;
                     }
@@ -102,10 +105,20 @@ pub const SURFACE_SUN: Effect = Effect {
         shader: include_str!("../../shaders/surface_sun.wgsl"),
         entry: "light_surfaces",
         over: Over::Pixels,
-        when: When::EachBeam(sun_beams),
+        when: When::EachBeam(beams),
         uses: &[
             Resource::Read(Field::Surface),
             Resource::Update(Field::Sun),
+            Resource::Knobs(|conditions, settings| {
+                let is_disc = whole_sun(conditions, settings).is_some();
+                let limb = conditions.sun.limb_exponent();
+                vec![
+                    ("disc", Number::Count(is_disc.into())),
+                    ("limb_red", Number::float(limb.x)),
+                    ("limb_green", Number::float(limb.y)),
+                    ("limb_blue", Number::float(limb.z)),
+                ]
+            }),
             Resource::CasterTree,
             Resource::Attributes,
             Resource::Facets,
@@ -115,6 +128,21 @@ pub const SURFACE_SUN: Effect = Effect {
     }],
     ..Effect::NOTHING
 };
+
+/// The sun as one beam, where it is more than points.
+fn whole_sun(conditions: &Conditions, settings: &Settings<'_>) -> Option<Beam> {
+    conditions
+        .whole_sun()
+        .filter(|_| settings.get("disc") > 0.0)
+}
+
+/// The beams for which the pass runs.
+fn beams(conditions: &Conditions, settings: &Settings<'_>) -> Vec<Beam> {
+    match whole_sun(conditions, settings) {
+        Some(beam) => vec![beam],
+        None => sun_beams(conditions, settings),
+    }
+}
 
 /// How far a shadow ray must go before it counts what it meets [m]: above the rounding of the position it leaves from.
 pub(super) fn clearance(conditions: &Conditions, position: DVec3) -> f64 {

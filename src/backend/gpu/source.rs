@@ -150,6 +150,7 @@ pub fn shader_text(
             Resource::Sky => text += &sky_table(),
             Resource::CasterTree => {
                 text += include_str!("../../../shaders/common/caster_tree.wgsl");
+                text += include_str!("../../../shaders/common/disc.wgsl");
             }
             _ => {}
         }
