@@ -175,6 +175,6 @@ pub use fields::{Fields, Source, Surface};
 pub use kept::{Keep, Kept};
 pub use method::Method;
 pub use pass::{
-    Extent, Life, Loop, MapSettings, Number, Over, Pass, Product, RasterView, Resource, When,
+    Extent, Life, Loop, MapSettings, Number, Over, Pass, Product, RasterView, Resource, TILE, When,
 };
 pub use settings::{Knob, Settings};

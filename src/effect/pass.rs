@@ -144,6 +144,10 @@ pub struct Extent<'a> {
     pub pixels: u64,
 }
 
+/// Passes go over a picture in tiles that are no longer on a side [pixels]: a quarter of a million rays are a few milliseconds on
+/// hardware.
+pub const TILE: u32 = 512;
+
 /// A number that a shader knows by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {

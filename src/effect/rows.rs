@@ -24,8 +24,9 @@
 //! the place across it, and the number that a ray keeps is its offset along m = sin(theta) w - cos(theta) e, e the unit vector
 //! across w in the slice: d = h sin(theta) - a cos(theta) against c = o . m.
 
+use super::pass::TILE;
 use super::{Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, sun_beams};
-use crate::conditions::Input;
+use crate::conditions::{Conditions, Input};
 
 /// Columns of a leaf times the children of the nodes of three levels: rows are as long as a multiple of this.
 const COLUMNS_STEP: u32 = 512;
@@ -54,14 +55,19 @@ pub const HALVINGS: Knob = Knob {
     range: [0.0, 8.0],
 };
 
-/// The number of rows across a tile's diagonal.
-fn rows(settings: &Settings<'_>) -> u32 {
-    settings.get("rows") as u32
+/// No tile has more rows than this for each pixel of its diagonal.
+const ROWS_A_PIXEL: f64 = 4.0;
+
+/// The number of rows across a tile's diagonal: the knob's, or as many as a small picture's pixels can tell apart.
+fn rows(conditions: &Conditions, settings: &Settings<'_>) -> u32 {
+    let [width, height] = conditions.view.size.map(|side| f64::from(side.min(TILE)));
+    let enough = (ROWS_A_PIXEL * width.hypot(height)).ceil();
+    settings.get("rows").min(enough) as u32
 }
 
 /// The most rows that a tile may have.
-pub fn most_rows(settings: &Settings<'_>) -> u32 {
-    4 * rows(settings)
+pub fn most_rows(conditions: &Conditions, settings: &Settings<'_>) -> u32 {
+    4 * rows(conditions, settings)
 }
 
 /// The number of columns: the knob's, rounded up to whole nodes.
@@ -70,10 +76,10 @@ pub fn columns(settings: &Settings<'_>) -> u32 {
 }
 
 /// The numbers that shaders with rows know.
-pub fn knobs(settings: &Settings<'_>) -> Vec<(&'static str, Number)> {
+pub fn knobs(conditions: &Conditions, settings: &Settings<'_>) -> Vec<(&'static str, Number)> {
     vec![
-        ("rows", Number::Count(rows(settings))),
-        ("most_rows", Number::Count(most_rows(settings))),
+        ("rows", Number::Count(rows(conditions, settings))),
+        ("most_rows", Number::Count(most_rows(conditions, settings))),
         ("columns", Number::Count(columns(settings))),
     ]
 }
@@ -105,7 +111,9 @@ pub const TREE: Product = Product {
     // 16 bytes for each 8, 32, 128 and 512 columns.
     bytes: |extent| {
         let settings = &extent.settings;
-        16 * 85 * u64::from(most_rows(settings)) * u64::from(columns(settings) / COLUMNS_STEP)
+        16 * 85
+            * u64::from(most_rows(extent.conditions, settings))
+            * u64::from(columns(settings) / COLUMNS_STEP)
     },
     reads: MADE_OF,
     zeroed: false,
@@ -118,7 +126,7 @@ const SHADER: &str = concat!(
 
 const USES: &[Resource] = &[
     Resource::Read(Field::Surface),
-    Resource::Knobs(|_, settings| knobs(settings)),
+    Resource::Knobs(knobs),
     Resource::Make(&ASKED),
     Resource::Make(&TREE),
 ];
@@ -142,5 +150,5 @@ pub const MEASURE: Pass = pass("measure", Over::Pixels);
 /// Reads the z-partitions' maps into rows and builds their trees, one workgroup a row.
 pub const BUILD: Pass = pass(
     "build",
-    Over::Groups(|extent| [most_rows(&extent.settings), 1]),
+    Over::Groups(|extent| [most_rows(extent.conditions, &extent.settings), 1]),
 );

@@ -93,11 +93,19 @@ pub fn reference<'a>(
 ) -> Batch<'a> {
     let beams = sun_beams(conditions, settings);
     let edges = match settings.get("disc") > 0.0 {
-        true => conditions
-            .sun_edges()
-            .filter(|edges| are_told_apart(conditions, &edges.0)),
+        true => conditions.sun_edges(),
         false => None,
     };
+    let edges = edges.filter(|(edges, _)| {
+        let is_told = are_told_apart(conditions, edges);
+        if !is_told {
+            kept.note(format!(
+                "shadows have too many edges for the sun's disc to be told in the air: {} points stand for it there (`suns`)",
+                beams.len()
+            ));
+        }
+        is_told
+    });
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
     Box::new(move |fields| {

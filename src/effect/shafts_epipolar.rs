@@ -23,6 +23,7 @@ use super::{
     Effect, Extent, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, rows,
     sun_beams,
 };
+use crate::conditions::Conditions;
 
 /// Sparse rays.
 pub const SHAFTS_EPIPOLAR: Effect = Effect {
@@ -66,7 +67,10 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
             "place",
             Over::Groups(|extent| {
                 let settings = &extent.settings;
-                [samples(settings) / 16, slices(settings).div_ceil(16)]
+                [
+                    samples(settings) / 16,
+                    slices(extent.conditions, settings).div_ceil(16),
+                ]
             }),
         ),
         pass("seed", Over::Groups(|extent| groups(extent, 16))),
@@ -84,8 +88,8 @@ const SHADER: &str = concat!(
     include_str!("../../shaders/common/rows.wgsl"),
 );
 
-fn slices(settings: &Settings<'_>) -> u32 {
-    (settings.get("slices") as u32).min(rows::most_rows(settings))
+fn slices(conditions: &Conditions, settings: &Settings<'_>) -> u32 {
+    (settings.get("slices") as u32).min(rows::most_rows(conditions, settings))
 }
 
 /// Samples of a slice: whole sixteens.
@@ -96,7 +100,11 @@ fn samples(settings: &Settings<'_>) -> u32 {
 /// Workgroups of 8 by 8 that cover all slices and the samples of each that are so far `apart`.
 fn groups(extent: &Extent<'_>, apart: u32) -> [u32; 2] {
     let settings = &extent.settings;
-    [slices(settings), samples(settings) / apart].map(|count| count.div_ceil(8))
+    [
+        slices(extent.conditions, settings),
+        samples(settings) / apart,
+    ]
+    .map(|count| count.div_ceil(8))
 }
 
 const fn pass(entry: &'static str, over: Over) -> Pass {
@@ -111,10 +119,10 @@ const fn pass(entry: &'static str, over: Over) -> Pass {
 
 const USES: &[Resource] = &[
     Resource::Read(Field::Surface),
-    Resource::Knobs(|_, settings| {
-        let mut knobs = rows::knobs(settings);
+    Resource::Knobs(|conditions, settings| {
+        let mut knobs = rows::knobs(conditions, settings);
         knobs.extend([
-            ("slices", Number::Count(slices(settings))),
+            ("slices", Number::Count(slices(conditions, settings))),
             ("samples", Number::Count(samples(settings))),
             ("tolerance", Number::float(settings.get("tolerance"))),
             ("halvings", Number::Count(settings.get("halvings") as u32)),
@@ -135,7 +143,7 @@ const SAMPLES: Product = Product {
     bytes: |extent| {
         let settings = &extent.settings;
         // One more than the last interval needs, a slice.
-        16 * u64::from(slices(settings)) * u64::from(samples(settings) + 1)
+        16 * u64::from(slices(extent.conditions, settings)) * u64::from(samples(settings) + 1)
     },
     reads: rows::MADE_OF,
     zeroed: false,

@@ -56,7 +56,7 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
         rows::BUILD,
         pass(
             "sum_rows",
-            Over::Groups(|extent| [rows::most_rows(&extent.settings), 1]),
+            Over::Groups(|extent| [rows::most_rows(extent.conditions, &extent.settings), 1]),
         ),
         pass("look_up", Over::Pixels),
     ],
@@ -78,8 +78,8 @@ const fn pass(entry: &'static str, over: Over) -> Pass {
 
 const USES: &[Resource] = &[
     Resource::Read(Field::Surface),
-    Resource::Knobs(|_, settings| {
-        let mut knobs = rows::knobs(settings);
+    Resource::Knobs(|conditions, settings| {
+        let mut knobs = rows::knobs(conditions, settings);
         knobs
             .extend(["thresholds", "blocks"].map(|knob| (knob, Number::count(settings.get(knob)))));
         knobs
@@ -98,7 +98,7 @@ const SUMS: Product = Product {
         let settings = &extent.settings;
         let places = u64::from(rows::columns(settings) / 8 + 1);
         let thresholds = settings.get("thresholds").round() as u64;
-        4 * u64::from(rows::most_rows(settings)) * places * thresholds
+        4 * u64::from(rows::most_rows(extent.conditions, settings)) * places * thresholds
     },
     reads: rows::MADE_OF,
     zeroed: false,

@@ -50,8 +50,8 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
             when: When::EachBeam(sun_beams),
             uses: &[
                 Resource::Read(Field::Surface),
-                Resource::Knobs(|_, settings| {
-                    let mut knobs = rows::knobs(settings);
+                Resource::Knobs(|conditions, settings| {
+                    let mut knobs = rows::knobs(conditions, settings);
                     knobs.extend([
                         ("blend", Number::count(settings.get("blend"))),
                         ("halvings", Number::Count(settings.get("halvings") as u32)),

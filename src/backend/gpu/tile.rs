@@ -6,14 +6,11 @@ use super::pipeline::Pipelines;
 use super::scene::media;
 use super::shared;
 use super::store::Store;
-use crate::effect::Field;
+use crate::effect::{Field, TILE};
 use crate::error::Result;
 use crate::plan::Plan;
 use glam::UVec2;
 use wgpu::*;
-
-/// Side of a tile [pixels]: a quarter of a million rays are a few milliseconds on hardware.
-const TILE: u32 = 512;
 
 /// A field of a tile.
 pub struct Target {
