@@ -620,7 +620,7 @@ fn brute(@builtin(global_invocation_id) id: vec3u) {
             when: When::EachBeam(sun_beams),
             uses: &[
                 Resource::Read(Field::Surface),
-                Resource::Knobs(|_, settings| rows::knobs(settings)),
+                Resource::Knobs(rows::knobs),
                 Resource::Update(Field::Lights),
                 Resource::Make(&rows::ASKED),
                 Resource::Make(&rows::TREE),
