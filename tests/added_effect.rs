@@ -104,8 +104,9 @@ fn an_added_effect_is_planned_rendered_compared_and_reported() {
         return;
     }
     let conditions = at_size(&slats(1.0));
-    let truth =
-        Reference::new(&plan(&conditions, &GLOW, 100.0)).render(&Limits::default(), &|_| {});
+    let truth = Reference::new(&plan(&conditions, &GLOW, 100.0))
+        .expect("it can be prepared")
+        .render(&Limits::default(), &|_| {});
     let truth = lights(&truth.expect("it fits into memory"));
     assert!(truth.iter().any(|v| v.x > 1.0));
     // With passes, and without: then the CPU does it there too, and reads what the GPU wrote.

@@ -6,13 +6,14 @@
 //! the air's where only surfaces or background do. So are all that show surfaces which let light through.
 
 use super::film::Film;
-use super::rendering::{Limits, Progress, Rendered, StepTime};
+use super::rendering::{Limits, PICTURE, Rendered, StepTime};
 use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
 use crate::error::Result;
 use crate::frame::{Frame, Layer, NO_HIT, Part};
 use crate::plan::{Plan, sample_positions};
+use crate::task::{Progress, Task};
 use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -89,32 +90,40 @@ pub struct Reference<'a> {
 
 impl<'a> Reference<'a> {
     /// Prepares the effects of a plan.
-    pub fn new(plan: &'a Plan<'a>) -> Self {
-        Self::keeping(plan, &Kept::default())
+    ///
+    /// # Errors
+    /// Those of the effects.
+    pub fn new(plan: &'a Plan<'a>) -> Result<Self> {
+        Self::keeping(plan, &Kept::default(), Task::unwatched())
     }
 
     /// The same with what effects kept of plans before, as far as it still holds; what is new is kept there.
-    pub fn keeping(plan: &'a Plan<'a>, kept: &Kept) -> Self {
-        let steps: Vec<_> = plan
+    ///
+    /// # Errors
+    /// Those of the effects; [`crate::Error::Stopped`] when the work was stopped.
+    pub fn keeping(plan: &'a Plan<'a>, kept: &Kept, task: Task<'_>) -> Result<Self> {
+        let kept = kept.keeper(task);
+        let steps: Result<Vec<_>> = plan
             .running()
             .map(|step| {
+                task.check()?;
                 let settings = Settings {
                     effect: step.effect.name,
                     values: &step.settings,
                 };
-                Prepared {
+                Ok(Prepared {
                     effect: step.effect,
-                    run: (step.effect.reference)(plan.conditions, &settings, kept),
+                    run: (step.effect.reference)(plan.conditions, &settings, &kept)?,
                     nanoseconds: AtomicU64::new(0),
                     runs: AtomicU32::new(0),
-                }
+                })
             })
             .collect();
-        Reference {
+        Ok(Reference {
             plan,
-            steps,
+            steps: steps?,
             written: plan.written(),
-        }
+        })
     }
 
     /// Takes rays through positions of the picture.
@@ -202,6 +211,7 @@ impl<'a> Reference<'a> {
     /// [`crate::Error::Input`] when the frame would hold more than the limit's memory; [`crate::Error::Stopped`] when it was
     /// stopped.
     pub fn render(&self, limits: &Limits, progress: Progress) -> Result<Rendered> {
+        let task = limits.task(progress).stage(PICTURE);
         let view = &self.plan.conditions.view;
         let [width, height] = view.size;
         let mut film = Film::new(view.size, &self.written, limits.memory)?;
@@ -210,7 +220,7 @@ impl<'a> Reference<'a> {
         let first_share = if samples > 1 { 0.5 } else { 1.0 };
         const BAND: u32 = 32;
         for top in (0..height).step_by(BAND as usize) {
-            limits.check()?;
+            task.check()?;
             let band: Vec<UVec2> = (top..(top + BAND).min(height))
                 .flat_map(|y| (0..width).map(move |x| UVec2::new(x, y)))
                 .collect();
@@ -221,7 +231,7 @@ impl<'a> Reference<'a> {
                 let distance = (surface.distance as f32).min(NO_HIT);
                 film.set_surface(*pixel, distance, surface.normal.as_vec3());
             }
-            progress(
+            task.tell(
                 first_share * f64::from(top + BAND).min(f64::from(height)) / f64::from(height),
             );
         }
@@ -231,7 +241,7 @@ impl<'a> Reference<'a> {
             refined = edges.len();
             let offsets = sample_positions(samples);
             for (part, chunk) in edges.chunks(4096).enumerate() {
-                limits.check()?;
+                task.check()?;
                 let means: Vec<Values> = chunk
                     .par_chunks(16)
                     .flat_map_iter(|edges| self.means(edges, &offsets))
@@ -240,10 +250,10 @@ impl<'a> Reference<'a> {
                     put(&mut film, *pixel, mean, *rerun);
                 }
                 let done = (part * 4096 + chunk.len()) as f64 / edges.len() as f64;
-                progress(first_share + (1.0 - first_share) * done);
+                task.tell(first_share + (1.0 - first_share) * done);
             }
         }
-        progress(1.0);
+        task.tell(1.0);
         Ok(Rendered {
             frame: film.into_frame(),
             steps: self.times(),

@@ -9,8 +9,9 @@
 //! Multiple scattering is not simulated: in air of optical depth tau and single-scattering albedo w about w tau / 2 of the
 //! scattered light is missing from each further order.
 
-use super::{Batch, Contribution, Decision, Field, Kept, Knob, Settings, sun_beams};
+use super::{Batch, Contribution, Decision, Field, Keeper, Knob, Settings, sun_beams};
 use crate::conditions::Conditions;
+use crate::error::Result;
 use crate::medium::Scattering;
 use glam::DVec3;
 
@@ -60,11 +61,15 @@ pub fn decide(conditions: &Conditions) -> Decision {
 }
 
 /// The exact lit runs and their integrals, for whichever method.
-pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Kept) -> Batch<'a> {
+pub fn reference<'a>(
+    conditions: &'a Conditions,
+    settings: &Settings<'_>,
+    _: &Keeper<'_>,
+) -> Result<Batch<'a>> {
     let beams = sun_beams(conditions, settings);
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
-    Box::new(move |fields| {
+    Ok(Box::new(move |fields| {
         let mut shades = Vec::new();
         fields.update(Field::InscatterSun, |ray, _, surface, present| {
             // On a ray that meets nothing the clear air only takes from what other media send.
@@ -86,5 +91,5 @@ pub fn reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Ke
             }
             present + sum
         });
-    })
+    }))
 }

@@ -38,7 +38,7 @@ pub const SURFACE_SUN: Effect = Effect {
     },
     reference: |conditions, settings, _| {
         let beams = sun_beams(conditions, settings);
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             fields.update(Field::Sun, |_, _, surface, present| {
                 if !surface.is_met() {
                     return present;
@@ -72,7 +72,7 @@ pub const SURFACE_SUN: Effect = Effect {
                 }
                 present + surface.albedo / PI * sum
             });
-        })
+        }))
     },
     passes: &[Pass {
         shader: include_str!("../../shaders/surface_sun.wgsl"),

@@ -8,8 +8,10 @@ use super::patches::{Patches, Spot};
 use super::points::Seen;
 use super::transport::{Detail, Transport, WHOLE};
 use crate::conditions::Conditions;
+use crate::error::Result;
 use crate::scene::Ray;
 use crate::sky::patches::Subdivision;
+use crate::task::{Pieces, Task};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
@@ -49,14 +51,23 @@ fn outside(row: &Row) -> f32 {
 
 impl Transport {
     /// Prepares it for a scene: of the conditions, geometry, materials, media and ground count.
-    pub fn new(conditions: &Conditions, detail: Detail) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Stopped`] when the work was stopped.
+    pub fn new(conditions: &Conditions, detail: Detail, task: Task<'_>) -> Result<Self> {
+        let patches = Patches::new(
+            conditions,
+            detail.patch,
+            detail.patches,
+            task.part(0.0, 0.1),
+        )?;
         let mut transport = Transport {
             conditions: conditions.clone(),
             dome: Dome::new(match detail.sky {
                 0 => Subdivision::Triangles,
                 factor => Subdivision::Reinhart(factor),
             }),
-            patches: Patches::new(conditions, detail.patch, detail.patches),
+            patches,
             exchange: Exchange::default(),
             openings: Openings::default(),
             seen: Seen::new(),
@@ -64,26 +75,30 @@ impl Transport {
             detail,
         };
         let all = vec![true; transport.patches.all.len()];
-        let few = transport.rows(&all, FEW);
+        let few = transport.rows(&all, FEW, task.part(0.1, 0.2))?;
         let lit = Exchange::reached(&few);
-        transport.openings = transport.find_openings(&lit);
+        transport.openings = transport.find_openings(&lit, task.part(0.2, 0.25))?;
         let count = lit.iter().filter(|lit| **lit).count().max(1);
         let rays = (detail.patch_rays / count).clamp(FEW, MANY);
         let spots = transport.spots(&few, &lit, detail.patch_spots);
         let mut rows = match rays {
             // The same rays would meet the same.
             FEW => few,
-            rays => transport.rows(&lit, rays),
+            rays => transport.rows(&lit, rays, task.part(0.25, 0.6))?,
         };
+        let pieces = task.part(0.6, 0.9).pieces(spots.iter().sum());
         rows.par_iter_mut()
             .enumerate()
-            .for_each(|(patch, row)| match spots[patch] {
-                _ if !lit[patch] => row.clear(),
-                0 => {}
-                spots => transport.look_outside(row, patch, spots),
-            });
-        transport.exchange = Exchange::new(&transport.patches, rows);
-        transport
+            .try_for_each(|(patch, row)| match spots[patch] {
+                _ if !lit[patch] => {
+                    row.clear();
+                    Ok(())
+                }
+                0 => Ok(()),
+                spots => transport.look_outside(row, patch, spots, &pieces),
+            })?;
+        transport.exchange = Exchange::new(&transport.patches, rows, task.part(0.9, 1.0))?;
+        Ok(transport)
     }
 
     /// From how many of its points each patch looks at the outside: as many as there are points to spend, the largest patches first,
@@ -104,14 +119,16 @@ impl Transport {
     }
 
     /// What the wanted patches see along rays, by source: shares and what is let through of them.
-    fn rows(&self, wanted: &[bool], rays: usize) -> Vec<Row> {
+    fn rows(&self, wanted: &[bool], rays: usize, task: Task<'_>) -> Result<Vec<Row>> {
+        let pieces = task.pieces(self.patches.all.len());
         let near = self.near(DVec3::ZERO);
         (0..self.patches.all.len())
             .into_par_iter()
             .map(|patch| {
+                pieces.begin()?;
                 let own = &self.patches.all[patch];
                 if !wanted[patch] || own.area <= 0.0 {
-                    return Row::default();
+                    return Ok(Row::default());
                 }
                 let share = 1.0 / rays as f32;
                 let mut row: Vec<(Source, f32, Vec3)> = (0..rays)
@@ -122,21 +139,28 @@ impl Transport {
                     })
                     .collect();
                 merge(&mut row);
-                row
+                Ok(row)
             })
             .collect()
     }
 
     /// Puts what a few of a patch's points see of the outside, through openings that are small from there, in the place of what its
     /// rays have met by chance.
-    fn look_outside(&self, row: &mut Row, patch: usize, spots: usize) {
+    fn look_outside(
+        &self,
+        row: &mut Row,
+        patch: usize,
+        spots: usize,
+        pieces: &Pieces<'_>,
+    ) -> Result<()> {
         let chance = outside(row);
         if chance > WIDE {
-            return;
+            return Ok(());
         }
         let own = &self.patches.all[patch];
         let mut seen = Row::new();
         for k in 0..spots {
+            pieces.begin()?;
             let spot = own.spot(&spread(k, patch as u64));
             let origin = spot.lifted(self.near(spot.point));
             for arrival in self.gather(origin, &Map::before(spot.normal), SPOT) {
@@ -159,24 +183,30 @@ impl Transport {
         }
         row.extend(seen);
         merge(row);
+        Ok(())
     }
 
     /// Looks for openings from the patches that light reaches.
-    fn find_openings(&self, lit: &[bool]) -> Openings {
+    fn find_openings(&self, lit: &[bool], task: Task<'_>) -> Result<Openings> {
         let all = &self.patches.all;
         let reached: Vec<usize> = (0..all.len())
             .filter(|patch| lit[*patch] && all[*patch].area > 0.0)
             .collect();
         let stride = reached.len().div_ceil(LOOKERS).max(1);
-        let looks: Vec<(Spot, Vec<DVec3>)> = reached
+        let pieces = task.part(0.0, 0.5).pieces(reached.len().div_ceil(stride));
+        let looks: Result<Vec<(Spot, Vec<DVec3>)>> = reached
             .par_iter()
             .step_by(stride)
             .filter_map(|patch| {
+                if let Err(stopped) = pieces.begin() {
+                    return Some(Err(stopped));
+                }
                 let spot = all[*patch].spot(&spread(0, *patch as u64));
                 let found = self.openings_before(spot.point, spot.normal)?;
-                Some((spot, found))
+                Some(Ok((spot, found)))
             })
             .collect();
+        let looks = looks?;
         // Points beside a pillar before a window are in no opening: through a point in one others see the outside too.
         let stride = looks.len().div_ceil(JUDGES).max(1);
         let judges: Vec<Spot> = looks
@@ -188,9 +218,11 @@ impl Transport {
         let found = found.map(|point| (point, 0)).collect();
         let extent = self.conditions.geometry.extent();
         let (found, _) = thinned(found, JUDGED, 1e-4 * extent);
-        let mut judged: Vec<(DVec3, usize)> = found
+        let pieces = task.part(0.5, 1.0).pieces(found.len());
+        let judged: Result<Vec<(DVec3, usize)>> = found
             .into_par_iter()
             .map(|(point, _)| {
+                pieces.begin()?;
                 let through = judges.iter().filter(|judge| {
                     let way = (point - judge.point).normalize_or_zero();
                     let near = self.near(judge.point);
@@ -203,10 +235,11 @@ impl Transport {
                         self.is_bright(look.source)
                     }
                 });
-                (point, through.count())
+                Ok((point, through.count()))
             })
             .collect();
+        let mut judged = judged?;
         judged.retain(|(_, count)| *count > 0);
-        Openings::new(judged, extent)
+        Ok(Openings::new(judged, extent))
     }
 }

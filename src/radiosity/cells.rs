@@ -7,6 +7,8 @@
 use super::planes::{Plane, Surfaces, corners};
 use super::tiles::{FINEST, Tile};
 use crate::conditions::Conditions;
+use crate::error::Result;
+use crate::task::Task;
 use glam::{DVec2, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -205,7 +207,8 @@ pub(super) fn faces(
     surfaces: &Surfaces,
     share: f64,
     most: usize,
-) -> (Vec<Face>, bool) {
+    task: Task<'_>,
+) -> Result<(Vec<Face>, bool)> {
     let mut faces = Vec::new();
     let mut queue = Queue::default();
     let mut add = |plane: Plane, low: DVec2, side: f64, pieces: Vec<(u32, Vec<DVec2>)>| {
@@ -253,6 +256,7 @@ pub(super) fn faces(
     let mut leaves = faces.len();
     let mut coarse = false;
     while let Some(square) = queue.pop() {
+        task.check()?;
         let number = square.face;
         let face = &mut faces[number];
         let wants = wants_quarters(face, surfaces, &square, share);
@@ -303,7 +307,7 @@ pub(super) fn faces(
             }
         }
     }
-    (faces, coarse)
+    Ok((faces, coarse))
 }
 
 /// Squares, the largest first, so that where there are too many all are coarse alike; of one size those that came first.

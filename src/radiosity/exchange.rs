@@ -6,6 +6,8 @@
 
 use super::arrival::{Row, Source};
 use super::patches::Patches;
+use crate::error::Result;
+use crate::task::Task;
 use glam::{DVec3, Vec3};
 
 /// What all patches exchange with each other and receive from outside.
@@ -59,7 +61,7 @@ impl Exchange {
     }
 
     /// Makes it of what each patch sees along its rays.
-    pub fn new(patches: &Patches, rows: Vec<Row>) -> Self {
+    pub fn new(patches: &Patches, rows: Vec<Row>, task: Task<'_>) -> Result<Self> {
         let count = rows.len();
         let areas: Vec<f64> = patches.all.iter().map(|patch| patch.area).collect();
         let mut pairs: Vec<(u32, u32, f64, DVec3)> = Vec::new();
@@ -95,7 +97,9 @@ impl Exchange {
             same
         });
         let mut correction = 0.0f64;
+        let turns = task.pieces(TURNS);
         for turn in 0..TURNS {
+            turns.begin()?;
             let mut sums: Vec<f64> = (0..count).map(|i| areas[i] * escapes[i]).collect();
             for (i, j, area, _) in &pairs {
                 sums[*i as usize] += area;
@@ -140,12 +144,12 @@ impl Exchange {
                 send(j, i);
             }
         }
-        Exchange {
+        Ok(Exchange {
             to,
             outside,
             escapes,
             correction,
-        }
+        })
     }
 }
 
