@@ -49,11 +49,11 @@ const GLOW: Effect = Effect {
     decide: |_| Decision::run("a test", Contribution::Bound(100.0)),
     reference: |_, settings, _| {
         let strength = settings.get("strength");
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             fields.update(Field::Lights, |_, _, surface, present| {
                 present + strength * surface.albedo
             });
-        })
+        }))
     },
     ..Effect::NOTHING
 };

@@ -14,8 +14,8 @@ pub const PICTURE: &str = "the picture";
 pub struct Limits<'a> {
     /// The most that the finished frame may hold [bytes].
     pub memory: u64,
-    /// Set by whoever wants the rendering to stop: it ends within a tile or a band of rows with
-    /// [`crate::Error::Stopped`]; what takes longer than that and is kept ends at once, and is not kept.
+    /// Set by whoever wants the rendering to stop: it ends with [`crate::Error::Stopped`], at most some
+    /// hundred pixels later; what is made for it and not done then is not kept.
     pub stop: Option<&'a AtomicBool>,
 }
 

@@ -227,7 +227,7 @@ impl Gpu {
             counting,
         };
         let mut rendered =
-            Job::new(plan, lent, limits.task(progress))?.render(limits, progress, growing)?;
+            Job::new(plan, lent, limits.task(progress))?.render(limits.memory, growing)?;
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
         rendered.notes = self.kept.take_notes();
