@@ -3,16 +3,17 @@
 use super::arrival::{Care, Map, Row, Source, merge, spread};
 use super::dome::Dome;
 use super::exchange::Exchange;
+use super::gaps::{Gap, gaps};
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
-use super::transport::{Detail, Transport, WHOLE};
+use super::transport::{Detail, Look, Transport, WHOLE};
 use crate::conditions::Conditions;
 use crate::error::Result;
 use crate::scene::Ray;
 use crate::sky::patches::Subdivision;
 use crate::task::{Pieces, Task};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 
@@ -36,6 +37,9 @@ const LOOKERS: usize = 1000;
 
 /// From so many of them what was found is looked at again: points beside a pillar before a window are in no opening.
 const JUDGES: usize = 32;
+
+/// Ways through a gap from each of four points of a patch.
+const WAYS: usize = 4;
 
 /// The most points that are looked at again.
 const JUDGED: usize = 4096;
@@ -70,21 +74,34 @@ impl Transport {
             patches,
             exchange: Exchange::default(),
             openings: Openings::default(),
+            gaps: Vec::new(),
+            by_gaps: Vec::new(),
             seen: Seen::new(),
             seen_bytes: AtomicU64::new(0),
             detail,
         };
         let all = vec![true; transport.patches.all.len()];
-        let few = transport.rows(&all, FEW, task.part(0.1, 0.2))?;
-        let lit = Exchange::reached(&few);
+        let (gaps, through) = transport.find_gaps(task)?;
+        transport.gaps = gaps;
+        let few = transport.rows(&all, &[], FEW, task.part(0.1, 0.2))?;
+        let lit = Exchange::reached(&few, &through);
+        if !transport.gaps.is_empty() {
+            let otherwise = Exchange::reached(&few, &[]);
+            let by_gaps = lit.iter().zip(otherwise).map(|(lit, other)| *lit && !other);
+            transport.by_gaps = by_gaps.collect();
+        }
         transport.openings = transport.find_openings(&lit, task.part(0.2, 0.25))?;
         let count = lit.iter().filter(|lit| **lit).count().max(1);
         let rays = (detail.patch_rays / count).clamp(FEW, MANY);
         let spots = transport.spots(&few, &lit, detail.patch_spots);
         let mut rows = match rays {
             // The same rays would meet the same.
-            FEW => few,
-            rays => transport.rows(&lit, rays, task.part(0.25, 0.6))?,
+            FEW if !transport.by_gaps.contains(&true) => few,
+            rays => {
+                let patches = 0..few.len();
+                let worth: Vec<f64> = patches.map(|patch| transport.worth(patch)).collect();
+                transport.rows(&lit, &worth, rays, task.part(0.25, 0.6))?
+            }
         };
         let pieces = task.part(0.6, 0.9).pieces(spots.iter().sum());
         rows.par_iter_mut()
@@ -118,8 +135,15 @@ impl Transport {
         spots
     }
 
-    /// What the wanted patches see along rays, by source: shares and what is let through of them.
-    fn rows(&self, wanted: &[bool], rays: usize, task: Task<'_>) -> Result<Vec<Row>> {
+    /// What the wanted patches see along rays, by source: shares and what is let through of them; and through the small gaps that are
+    /// `worth` it to each.
+    fn rows(
+        &self,
+        wanted: &[bool],
+        worth: &[f64],
+        rays: usize,
+        task: Task<'_>,
+    ) -> Result<Vec<Row>> {
         let pieces = task.pieces(self.patches.all.len());
         let near = self.near(DVec3::ZERO);
         (0..self.patches.all.len())
@@ -130,18 +154,105 @@ impl Transport {
                 if !wanted[patch] || own.area <= 0.0 {
                     return Ok(Row::default());
                 }
-                let share = 1.0 / rays as f32;
-                let mut row: Vec<(Source, f32, Vec3)> = (0..rays)
-                    .map(|i| {
-                        let ray = own.ray(&spread(i, patch as u64), near);
-                        let look = self.look(&ray, WHOLE);
-                        (look.source, share, share * look.through)
-                    })
+                let (mut row, gaps) = match worth.get(patch) {
+                    Some(worth) => self.through_gaps(patch, *worth, rays),
+                    None => (Row::new(), Vec::new()),
+                };
+                let found: f32 = row.iter().map(|(_, share, _)| share).sum();
+                let sent = (0..rays).map(|i| own.ray(&spread(i, patch as u64), near));
+                // What a few rays find by chance through a gap is far too much.
+                let chance = |ray: &Ray, look: &Look| {
+                    worth.is_empty()
+                        && is_outside(look.source)
+                        && self.gaps.iter().any(|gap| gap.is_on(ray))
+                };
+                let others: Vec<Look> = sent
+                    .filter(|ray| !gaps.iter().any(|gap| gap.is_on(ray)))
+                    .map(|ray| (ray, self.look(&ray, WHOLE)))
+                    .filter(|(ray, look)| !chance(ray, look))
+                    .map(|(_, look)| look)
                     .collect();
+                let share = (1.0 - found) / others.len().max(1) as f32;
+                row.extend(
+                    others
+                        .iter()
+                        .map(|look| (look.source, share, share * look.through)),
+                );
                 merge(&mut row);
                 Ok(row)
             })
             .collect()
+    }
+
+    /// The least share of what comes through a gap that is worth a look at it from a patch [1].
+    fn worth(&self, patch: usize) -> f64 {
+        match self.by_gaps.get(patch) {
+            Some(true) => 1e-4,
+            // What it gets is little beside its other light, and of what it gives the other side knows enough.
+            _ => 1.0 / 64.0,
+        }
+    }
+
+    /// The small gaps, and for each what light passes between through it.
+    fn find_gaps(&self, task: Task<'_>) -> Result<(Vec<Gap>, Vec<Vec<Source>>)> {
+        let near = self.near(DVec3::ZERO);
+        let found = gaps(self.patches.sides(), task.part(0.2, 0.2))?;
+        let looked: Vec<(Gap, Vec<Source>)> = found
+            .into_par_iter()
+            .filter_map(|mut gap| {
+                let meet = |ray: &Ray| {
+                    let look = self.look(ray, WHOLE);
+                    (look.source, look.distance)
+                };
+                let seen = gap.look(meet, near)?;
+                Some((gap, seen))
+            })
+            .collect();
+        Ok(looked.into_iter().unzip())
+    }
+
+    /// What a patch sees through small gaps, by points of both; and the gaps. None that are wide from there, and none of which less
+    /// than this share comes to the patch.
+    fn through_gaps(&self, patch: usize, worth: f64, rays: usize) -> (Row, Vec<&Gap>) {
+        if self.gaps.is_empty() {
+            return (Row::new(), Vec::new());
+        }
+        let own = &self.patches.all[patch];
+        let spots = [0, 1, 2, 3].map(|k| own.spot(&spread(k, patch as u64)));
+        let places =
+            spots.map(|spot| (spot.lifted(self.near(spot.point)), Map::before(spot.normal)));
+        let most = |gap: &Gap| {
+            let seen = places.iter().filter(|(place, _)| gap.is_seen_from(*place));
+            seen.map(|(place, map)| gap.most(*place, map))
+                .fold(0.0, f64::max)
+        };
+        let mut used: Vec<(&Gap, f64)> = self.gaps.iter().map(|gap| (gap, most(gap))).collect();
+        used.retain(|(gap, most)| most * own.area > worth * gap.area);
+        used.sort_by(|a, b| b.1.total_cmp(&a.1));
+        used.truncate(rays / WAYS);
+        let mut row = Row::new();
+        for (place, map) in &places {
+            for (number, (gap, _)) in used.iter().enumerate() {
+                for way in gap.ways(*place, map, WAYS) {
+                    let ray = Ray {
+                        origin: *place,
+                        direction: way.toward,
+                    };
+                    // A way through two gaps, one behind the other, is one.
+                    if used[..number].iter().any(|(other, _)| other.is_on(&ray)) {
+                        continue;
+                    }
+                    let look = self.look(&ray, WHOLE);
+                    let share = (way.weight / places.len() as f64) as f32;
+                    row.push((look.source, share, share * look.through));
+                }
+            }
+        }
+        let found: f32 = row.iter().map(|(_, share, _)| share).sum();
+        match found < WIDE {
+            true => (row, used.into_iter().map(|(gap, _)| gap).collect()),
+            false => (Row::new(), Vec::new()),
+        }
     }
 
     /// Puts what a few of a patch's points see of the outside, through openings that are small from there, in the place of what its

@@ -29,13 +29,21 @@ impl Exchange {
         !self.to[patch].is_empty() || !self.outside[patch].is_empty()
     }
 
-    /// Which patches light from outside can reach, directly or by others.
-    pub fn reached(rows: &[Row]) -> Vec<bool> {
-        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); rows.len()];
+    /// Which patches light from outside can reach, directly or by others. `groups` are sources that light passes between in other ways than
+    /// along the rows.
+    pub fn reached(rows: &[Row], groups: &[Vec<Source>]) -> Vec<bool> {
+        let patches = rows.len();
+        let count = patches + groups.len();
+        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
         let mut open: Vec<u32> = Vec::new();
-        let mut reached = vec![false; rows.len()];
-        for (i, row) in rows.iter().enumerate() {
-            for (source, ..) in row {
+        let mut reached = vec![false; count];
+        let rows = rows
+            .iter()
+            .map(|row| row.iter().map(|(source, ..)| source).collect());
+        let groups = groups.iter().map(|group| group.iter().collect());
+        let seen: Vec<Vec<&Source>> = rows.chain(groups).collect();
+        for (i, sources) in seen.iter().enumerate() {
+            for source in sources {
                 match source {
                     Source::Patch(j, _) => {
                         neighbours[i].push(*j);
@@ -57,6 +65,7 @@ impl Exchange {
                 }
             }
         }
+        reached.truncate(patches);
         reached
     }
 

@@ -138,9 +138,10 @@ impl Light {
             .filter(|patch| exchange.sees(*patch) && !all.is_ground(*patch as u32));
         let surfaces = (0..all.all.len()).filter(|patch| !all.is_ground(*patch as u32));
         let (reached, surfaces) = (reached.count(), surfaces.count());
-        let openings = match transport.openings.all().len() {
-            0 => "no small openings".to_owned(),
-            count => format!("{count} points in openings"),
+        let openings = match (transport.openings.all().len(), transport.gaps.len()) {
+            (0, 0) => "no small openings".to_owned(),
+            (count, 0) => format!("{count} points in openings"),
+            (count, gaps) => format!("{count} points in openings and {gaps} small gaps in planes"),
         };
         let coarse = match all.coarse {
             true => ", fewer than the scene's shape asks for (radiosity.patches)",

@@ -203,6 +203,12 @@ impl Patches {
         self.bent[triangle as usize]
     }
 
+    /// One side of each plane.
+    pub fn sides(&self) -> impl Iterator<Item = &Face> {
+        let (planes, _) = self.faces.as_chunks::<2>();
+        planes.iter().map(|[side, _]| side)
+    }
+
     /// Whether a patch is one of the ground.
     pub fn is_ground(&self, patch: u32) -> bool {
         self.ground.contains(&patch)
