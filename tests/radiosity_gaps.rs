@@ -136,7 +136,7 @@ fn a_slit_lights_what_sees_it() {
     let through = Box::cube(2.0, &[[0.0, 2.0, 0.8, 0.802]]);
     through.direct(&mut off, "from wall to wall", &points);
     let many: Vec<[f64; 4]> = (0..12)
-        .map(|i| f64::from(i))
+        .map(f64::from)
         .map(|i| {
             [
                 0.3 + 0.1 * i,

@@ -177,8 +177,9 @@ impl Gap {
     /// sides, and little depends on it.
     pub fn look(&mut self, meet: impl Fn(&Ray) -> (Source, f64), near: f64) -> Option<Vec<Source>> {
         let mut all = Vec::new();
-        let mut free = [0; 2];
+        let mut is_closed = false;
         for side in 0..2 {
+            let mut free = 0;
             let (mut low, mut high) = (self.middle, self.middle);
             for ray in self.rays(side, near) {
                 let (source, distance) = meet(&ray);
@@ -187,16 +188,17 @@ impl Gap {
                     false => f64::INFINITY * ray.direction.signum(),
                 };
                 (low, high) = (low.min(end), high.max(end));
-                free[side] += usize::from(!matches!(source, Source::Patch(..)));
+                free += usize::from(!matches!(source, Source::Patch(..)));
                 all.push(source);
             }
+            is_closed |= free < OPEN;
             // Rays are few: what they meet ends somewhat farther.
             let slack = 0.1 * (high - low) + self.radius;
             self.seen_from[side] = (low - slack, high + slack);
         }
         all.sort_unstable();
         all.dedup();
-        free.iter().any(|free| *free < OPEN).then_some(all)
+        is_closed.then_some(all)
     }
 }
 
