@@ -59,7 +59,7 @@ fn ground_and_sky(model: (&str, f64), elevation: f64, turn: f64) -> Result<[f64;
     };
     let conditions = Conditions::new(scene, &request)?;
     let plan = Plan::new(&conditions, &Overrules::default())?;
-    let rendered = Reference::new(&plan).render(&Limits::default(), &|_| {})?;
+    let rendered = Reference::new(&plan)?.render(&Limits::default(), &|_| {})?;
     Ok([1, 0].map(|row| luminance(rendered.frame.picture(row))))
 }
 

@@ -38,6 +38,7 @@
 //! | [`split_mix`] | deterministic numbers that look like chance |
 //! | [`units`], [`error`] | the unit rule; one error: what was wrong, where, the valid range, what to do |
 //! | [`memory`] | lists that may be large: made, or an error where memory does not suffice |
+//! | [`task`] | how far a long task is, and how it is stopped |
 //! | [`warning`] | what was left out, is doubtful or approximate, and what to do |
 //! | [`beam`] | light from a direction or a place, which shadows and scattering go by |
 //! | [`colour`] | spectra, CIE 1931, RGB spaces, exposure, display transform |
@@ -83,6 +84,7 @@ pub mod scene;
 pub mod sky;
 pub mod split_mix;
 pub mod studies;
+pub mod task;
 pub mod units;
 pub mod warning;
 

@@ -49,11 +49,11 @@ const GLOW: Effect = Effect {
     decide: |_| Decision::run("a test", Contribution::Bound(100.0)),
     reference: |_, settings, _| {
         let strength = settings.get("strength");
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             fields.update(Field::Lights, |_, _, surface, present| {
                 present + strength * surface.albedo
             });
-        })
+        }))
     },
     ..Effect::NOTHING
 };
@@ -104,8 +104,9 @@ fn an_added_effect_is_planned_rendered_compared_and_reported() {
         return;
     }
     let conditions = at_size(&slats(1.0));
-    let truth =
-        Reference::new(&plan(&conditions, &GLOW, 100.0)).render(&Limits::default(), &|_| {});
+    let truth = Reference::new(&plan(&conditions, &GLOW, 100.0))
+        .expect("it can be prepared")
+        .render(&Limits::default(), &|_| {});
     let truth = lights(&truth.expect("it fits into memory"));
     assert!(truth.iter().any(|v| v.x > 1.0));
     // With passes, and without: then the CPU does it there too, and reads what the GPU wrote.

@@ -5,10 +5,10 @@ mod common;
 use common::build::conditions;
 use glam::DVec3;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use tyndall::backend::gpu::{Device, Gpu};
-use tyndall::backend::{Backend, Limits, Made, Rendered, Wanted};
+use tyndall::backend::{Backend, Limits, Made, PICTURE, Rendered, Step, Wanted};
 use tyndall::colour::luminance;
 use tyndall::conditions::{Conditions, GroundPlane, Receiver, Request, View};
 use tyndall::error::Error;
@@ -453,9 +453,11 @@ fn a_stopped_rendering_says_so_and_leaves_the_backend_sound() {
             stop: Some(&stop),
             ..Limits::default()
         };
-        let stopped = backend.render(&plan, &limits, &|share| {
-            assert!(share > 0.0 && share < 1.0, "it went on to {share}");
-            stop.store(true, Ordering::Relaxed);
+        let stopped = backend.render(&plan, &limits, &|step| {
+            if step.stage == PICTURE {
+                assert!(step.share < 1.0, "{step:?}");
+                stop.store(true, Ordering::Relaxed);
+            }
         });
         assert!(matches!(stopped, Err(Error::Stopped)), "{wanted:?}");
         // Nobody took the flag back: nothing begins.
@@ -467,6 +469,49 @@ fn a_stopped_rendering_says_so_and_leaves_the_backend_sound() {
         assert!(found.frame == afresh(wanted, &plan).frame, "{wanted:?}");
         // What the stopped rendering made was not made for this one.
         assert_eq!(found.made.products, [""; 0], "{wanted:?}");
+    }
+}
+
+#[test]
+fn what_is_stopped_while_it_is_made_ends_at_once_and_is_not_kept() {
+    let test = "what_is_stopped_while_it_is_made_ends_at_once_and_is_not_kept";
+    let conditions = nave([20, 12]);
+    let plan = plan(&conditions);
+    let stages = [
+        (TRANSPORT, 0.0),
+        (TRANSPORT, 0.15),
+        (TRANSPORT, 0.5),
+        (TRANSPORT, 0.95),
+        (LIGHT, 0.2),
+        (LIGHT, 0.6),
+    ];
+    for wanted in backends(test) {
+        let whole = afresh(wanted, &plan);
+        for (stage, share) in stages {
+            let mut backend = Backend::open(wanted).expect("it can be opened");
+            let stop = AtomicBool::new(false);
+            let limits = Limits {
+                stop: Some(&stop),
+                ..Limits::default()
+            };
+            let after = Mutex::new(Vec::new());
+            let stopped = backend.render(&plan, &limits, &|step: Step| {
+                if stop.load(Ordering::Relaxed) {
+                    after.lock().expect("nobody panicked").push(step);
+                } else if step.stage == stage && step.share >= share {
+                    stop.store(true, Ordering::Relaxed);
+                }
+            });
+            assert!(matches!(stopped, Err(Error::Stopped)), "{stage} {share}");
+            // At most what other threads had begun is still told: of some hundred times that the stage tells how far it is.
+            let after = after.into_inner().expect("nobody panicked");
+            assert!(after.iter().all(|step| step.stage == stage), "{after:?}");
+            assert!(after.len() < rayon::current_num_threads(), "{after:?}");
+            let found = by(&mut backend, &plan);
+            assert!(found.frame == whole.frame, "{wanted:?} {stage} {share}");
+            let made = |name| found.made.products.contains(&name);
+            assert!(made(LIGHT) && made(TRANSPORT) == (stage == TRANSPORT));
+        }
     }
 }
 

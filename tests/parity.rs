@@ -52,7 +52,9 @@ fn by_gpu(conditions: &Conditions, set: Settings) -> Frame {
 }
 
 fn render_by_reference(plan: &Plan) -> Frame {
-    let rendered = Reference::new(plan).render(&Limits::memory(1 << 30), &|_| {});
+    let rendered = Reference::new(plan)
+        .expect("it can be prepared")
+        .render(&Limits::memory(1 << 30), &|_| {});
     rendered.expect("the picture fits into memory").frame
 }
 

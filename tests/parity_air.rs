@@ -46,6 +46,7 @@ fn by_gpu(conditions: &Conditions) -> Frame {
 fn by_reference(conditions: &Conditions) -> Frame {
     let plan = plan(conditions);
     let frame = Reference::new(&plan)
+        .expect("it can be prepared")
         .render(&Limits::memory(1 << 30), &|_| {})
         .expect("the picture fits into memory")
         .frame;

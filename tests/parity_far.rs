@@ -332,6 +332,7 @@ fn pictures(scene: Scene, camera: Camera) -> [Frame; 2] {
         .expect("the device works")
         .frame;
     let truth = Reference::new(&plan)
+        .expect("it can be prepared")
         .render(&limits, &|_| {})
         .expect("there is memory")
         .frame;

@@ -284,7 +284,7 @@ const BEFORE: Effect = Effect {
     writes: &[Field::Lights],
     decide: |_| Decision::run("a test", Contribution::Bound(1e3)),
     reference: |_, _, _| {
-        Box::new(|fields| {
+        Ok(Box::new(|fields| {
             fields.update(Field::Lights, |_, _, surface, present| {
                 present
                     + DVec3::splat(if surface.is_met() {
@@ -293,7 +293,7 @@ const BEFORE: Effect = Effect {
                         0.0
                     })
             });
-        })
+        }))
     },
     passes: &[Pass {
         shader: "
@@ -323,10 +323,10 @@ const BETWEEN: Effect = Effect {
     alters: &[Field::Lights],
     decide: |_| Decision::run("a test", Contribution::Bound(1e3)),
     reference: |_, _, _| {
-        Box::new(|fields| {
+        Ok(Box::new(|fields| {
             fields.update(Field::Lights, |_, _, _, present| 2.0 * present);
             fields.multiply(Field::Lights, Field::Transmittance);
-        })
+        }))
     },
     ..Effect::NOTHING
 };
@@ -338,12 +338,12 @@ const BEHIND: Effect = Effect {
     writes: &[Field::InscatterLights],
     decide: |_| Decision::run("a test", Contribution::Bound(1e3)),
     reference: |_, _, _| {
-        Box::new(|fields| {
+        Ok(Box::new(|fields| {
             let (own, lights) = (Field::InscatterLights, Field::Lights);
             fields.update_by(own, lights, |_, _, _, present, lights| {
                 present + 0.5 * lights
             });
-        })
+        }))
     },
     passes: &[Pass {
         shader: "

@@ -10,7 +10,7 @@ use tyndall::backend::{Limits, Rendered};
 use tyndall::beam::Beam;
 use tyndall::conditions::Conditions;
 use tyndall::effect::{
-    Batch, Contribution, Decision, Effect, Field, Kept, Number, Over, Pass, Resource, Settings,
+    Batch, Contribution, Decision, Effect, Field, Keeper, Number, Over, Pass, Resource, Settings,
     When,
 };
 use tyndall::medium::Scattering;
@@ -87,10 +87,14 @@ const LAMP_PASS: Pass = Pass {
     ],
 };
 
-fn lamp_reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &Kept) -> Batch<'a> {
+fn lamp_reference<'a>(
+    conditions: &'a Conditions,
+    settings: &Settings<'_>,
+    _: &Keeper<'_>,
+) -> tyndall::Result<Batch<'a>> {
     let beams = cells(conditions, settings);
     let air = &conditions.air;
-    Box::new(move |fields| {
+    Ok(Box::new(move |fields| {
         let mut dark = Vec::new();
         fields.update(Field::InscatterLights, |ray, _, surface, present| {
             let end = surface.distance.min(air.end(ray.origin, ray.direction));
@@ -104,7 +108,7 @@ fn lamp_reference<'a>(conditions: &'a Conditions, settings: &Settings<'_>, _: &K
             }
             present + sum
         });
-    })
+    }))
 }
 
 #[test]

@@ -57,7 +57,9 @@ fn by_planes(conditions: &Conditions, planes: f64, lattice: f64) -> (Vec<DVec3>,
 
 fn by_reference(conditions: &Conditions) -> Vec<DVec3> {
     let plan = plan(conditions, &[]);
-    let rendered = Reference::new(&plan).render(&Limits::memory(1 << 30), &|_| {});
+    let rendered = Reference::new(&plan)
+        .expect("it can be prepared")
+        .render(&Limits::memory(1 << 30), &|_| {});
     let frame = rendered.expect("the picture fits into memory").frame;
     layer(&frame, Field::InscatterSun)
 }

@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::PathBuf;
 use tyndall::Error;
-use tyndall::backend::Rendered;
+use tyndall::backend::{Rendered, Step};
 use tyndall::conditions::Conditions;
 use tyndall::effect::Contribution;
 use tyndall::plan::Plan;
@@ -105,14 +105,15 @@ fn finite(value: f64) -> Option<f64> {
 /// How far the work is, on a terminal and nowhere else.
 pub fn bar() -> ProgressBar {
     ProgressBar::new(1000).with_style(
-        ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     )
 }
 
-/// Shows a share of the work, 0 to 1, as done.
-pub fn share(bar: &ProgressBar, share: f64) {
-    bar.set_position((1000.0 * share) as u64);
+/// Shows what is being done, and how much of it is.
+pub fn step(bar: &ProgressBar, step: Step) {
+    bar.set_message(step.stage);
+    bar.set_position((1000.0 * step.share) as u64);
 }
 
 /// How long the stages of the work took.

@@ -55,7 +55,7 @@ impl Yardstick {
         Ok(Yardstick {
             size: view.size,
             written: plan.written(),
-            truth: Reference::new(plan).sampled(&pixels, view.samples),
+            truth: Reference::new(plan)?.sampled(&pixels, view.samples),
             pixels,
         })
     }
@@ -87,9 +87,13 @@ impl Yardstick {
     }
 
     /// The error of what the reference makes of another plan for conditions of the same view, without a whole picture.
-    pub fn compare(&self, plan: &Plan) -> Check {
+    ///
+    /// # Errors
+    /// Those of [`Reference::new`].
+    pub fn compare(&self, plan: &Plan) -> Result<Check> {
         let samples = plan.conditions.view.samples;
-        self.judge(&Reference::new(plan).sampled(&self.pixels, samples))
+        let found = Reference::new(plan)?.sampled(&self.pixels, samples);
+        Ok(self.judge(&found))
     }
 
     /// The error of the layers and of their sum.

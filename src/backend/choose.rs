@@ -132,7 +132,7 @@ impl Trials<'_> {
             Backend::Reference(_) => {
                 // Asking a part of the pixels is enough, and only needed where time counts.
                 let time = match limit.is_finite() {
-                    true => predict(&Reference::new(&plan))
+                    true => predict(&Reference::new(&plan)?)
                         .iter()
                         .filter_map(|step| step.time)
                         .sum(),
@@ -152,7 +152,7 @@ impl Trials<'_> {
                 let found = self.yardstick()?.check(&rendered.frame)?;
                 found.picture().relative_rmse
             }
-            None => self.yardstick()?.compare(&plan).picture().relative_rmse,
+            None => self.yardstick()?.compare(&plan)?.picture().relative_rmse,
         };
         let of_air = |rendered: &Rendered| -> Duration {
             let steps = rendered.steps.iter();

@@ -2,11 +2,12 @@
 
 use super::gpu::{Choice, Device, Gpu, OnDevice};
 use super::reference::Reference;
-use super::rendering::{Limits, Progress, Rendered};
+use super::rendering::{Limits, Rendered};
 use crate::conditions::Conditions;
 use crate::effect::Kept;
 use crate::error::{Error, Result};
 use crate::plan::{Overrules, Plan};
+use crate::task::Progress;
 
 /// Which backend is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,7 +79,8 @@ impl Backend {
                 // What a rendering that was stopped has made is not made for this one.
                 kept.take_made();
                 kept.take_notes();
-                let mut rendered = Reference::keeping(plan, kept).render(limits, progress)?;
+                let mut rendered = Reference::keeping(plan, kept, limits.task(progress))?
+                    .render(limits, progress)?;
                 rendered.made.products = kept.take_made();
                 rendered.notes = kept.take_notes();
                 Ok(rendered)

@@ -24,5 +24,6 @@ mod interface;
 pub mod reference;
 mod rendering;
 
+pub use crate::task::{Progress, Step};
 pub use interface::{Backend, Wanted};
-pub use rendering::{Limits, Made, Progress, Rendered, StepTime, Traffic};
+pub use rendering::{Limits, Made, PICTURE, Rendered, StepTime, Traffic};

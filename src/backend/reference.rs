@@ -6,13 +6,14 @@
 //! the air's where only surfaces or background do. So are all that show surfaces which let light through.
 
 use super::film::Film;
-use super::rendering::{Limits, Progress, Rendered, StepTime};
+use super::rendering::{Limits, PICTURE, Rendered, StepTime};
 use crate::colour::luminance;
 use crate::conditions::{Conditions, spread};
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
 use crate::error::Result;
 use crate::frame::{Frame, Layer, NO_HIT, Part};
 use crate::plan::{Plan, sample_positions};
+use crate::task::{Progress, Task};
 use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -89,32 +90,40 @@ pub struct Reference<'a> {
 
 impl<'a> Reference<'a> {
     /// Prepares the effects of a plan.
-    pub fn new(plan: &'a Plan<'a>) -> Self {
-        Self::keeping(plan, &Kept::default())
+    ///
+    /// # Errors
+    /// Those of the effects.
+    pub fn new(plan: &'a Plan<'a>) -> Result<Self> {
+        Self::keeping(plan, &Kept::default(), Task::unwatched())
     }
 
     /// The same with what effects kept of plans before, as far as it still holds; what is new is kept there.
-    pub fn keeping(plan: &'a Plan<'a>, kept: &Kept) -> Self {
-        let steps: Vec<_> = plan
+    ///
+    /// # Errors
+    /// Those of the effects; [`crate::Error::Stopped`] when the work was stopped.
+    pub fn keeping(plan: &'a Plan<'a>, kept: &Kept, task: Task<'_>) -> Result<Self> {
+        let kept = kept.keeper(task);
+        let steps: Result<Vec<_>> = plan
             .running()
             .map(|step| {
+                task.check()?;
                 let settings = Settings {
                     effect: step.effect.name,
                     values: &step.settings,
                 };
-                Prepared {
+                Ok(Prepared {
                     effect: step.effect,
-                    run: (step.effect.reference)(plan.conditions, &settings, kept),
+                    run: (step.effect.reference)(plan.conditions, &settings, &kept)?,
                     nanoseconds: AtomicU64::new(0),
                     runs: AtomicU32::new(0),
-                }
+                })
             })
             .collect();
-        Reference {
+        Ok(Reference {
             plan,
-            steps,
+            steps: steps?,
             written: plan.written(),
-        }
+        })
     }
 
     /// Takes rays through positions of the picture.
@@ -156,15 +165,17 @@ impl<'a> Reference<'a> {
     pub fn pixels(&self, pixels: &[UVec2]) -> Vec<Sample> {
         pixels
             .par_chunks(batch(pixels.len(), 64))
-            .flat_map_iter(|chunk| {
-                let aim = |pixel: &UVec2| Aim {
-                    pixel: *pixel,
-                    sample: 0,
-                    at: centre(*pixel),
-                };
-                self.trace(&chunk.iter().map(aim).collect::<Vec<_>>())
-            })
+            .flat_map_iter(|chunk| self.centres(chunk))
             .collect()
+    }
+
+    fn centres(&self, pixels: &[UVec2]) -> Vec<Sample> {
+        let aim = |pixel: &UVec2| Aim {
+            pixel: *pixel,
+            sample: 0,
+            at: centre(*pixel),
+        };
+        self.trace(&pixels.iter().map(aim).collect::<Vec<_>>())
     }
 
     /// The fields of pixels, each the mean of `samples` rays at the places of [`sample_positions`], on all cores.
@@ -202,6 +213,7 @@ impl<'a> Reference<'a> {
     /// [`crate::Error::Input`] when the frame would hold more than the limit's memory; [`crate::Error::Stopped`] when it was
     /// stopped.
     pub fn render(&self, limits: &Limits, progress: Progress) -> Result<Rendered> {
+        let task = limits.task(progress).stage(PICTURE);
         let view = &self.plan.conditions.view;
         let [width, height] = view.size;
         let mut film = Film::new(view.size, &self.written, limits.memory)?;
@@ -210,40 +222,42 @@ impl<'a> Reference<'a> {
         let first_share = if samples > 1 { 0.5 } else { 1.0 };
         const BAND: u32 = 32;
         for top in (0..height).step_by(BAND as usize) {
-            limits.check()?;
-            let band: Vec<UVec2> = (top..(top + BAND).min(height))
+            let bottom = (top + BAND).min(height);
+            let band: Vec<UVec2> = (top..bottom)
                 .flat_map(|y| (0..width).map(move |x| UVec2::new(x, y)))
                 .collect();
-            let found = self.pixels(&band);
+            let [from, to] =
+                [top, bottom].map(|row| first_share * f64::from(row) / f64::from(height));
+            let found = in_pieces(&band, 64, task.part(from, to), |pixels| {
+                self.centres(pixels)
+            })?;
             for (pixel, sample) in band.iter().zip(&found) {
                 put(&mut film, *pixel, &sample.values, Rerun::All);
                 let surface = &sample.surface;
                 let distance = (surface.distance as f32).min(NO_HIT);
                 film.set_surface(*pixel, distance, surface.normal.as_vec3());
             }
-            progress(
-                first_share * f64::from(top + BAND).min(f64::from(height)) / f64::from(height),
-            );
         }
         let mut refined = 0;
         if samples > 1 {
             let edges = self.with_veiled(edges(film.frame()));
             refined = edges.len();
             let offsets = sample_positions(samples);
-            for (part, chunk) in edges.chunks(4096).enumerate() {
-                limits.check()?;
-                let means: Vec<Values> = chunk
-                    .par_chunks(16)
-                    .flat_map_iter(|edges| self.means(edges, &offsets))
-                    .collect();
-                for ((pixel, rerun), mean) in chunk.iter().zip(&means) {
+            // What all of them hold together would be more than the film.
+            const MANY: usize = 4096;
+            let task = task.part(first_share, 1.0);
+            for (part, edges) in (0..).zip(edges.chunks(MANY)) {
+                let [from, to] =
+                    [part, part + 1].map(|part| ((MANY * part) as f64 / refined as f64).min(1.0));
+                let means = in_pieces(edges, 16, task.part(from, to), |edges| {
+                    self.means(edges, &offsets)
+                })?;
+                for ((pixel, rerun), mean) in edges.iter().zip(&means) {
                     put(&mut film, *pixel, mean, *rerun);
                 }
-                let done = (part * 4096 + chunk.len()) as f64 / edges.len() as f64;
-                progress(first_share + (1.0 - first_share) * done);
             }
         }
-        progress(1.0);
+        task.tell(1.0);
         Ok(Rendered {
             frame: film.into_frame(),
             steps: self.times(),
@@ -301,6 +315,28 @@ fn put(film: &mut Film, pixel: UVec2, values: &Values, rerun: Rerun) {
             film.set(field, pixel, values[field as usize].as_vec3());
         }
     }
+}
+
+/// What is found of each of some pixels, by at most so many at a time, on all cores.
+///
+/// # Errors
+/// [`crate::Error::Stopped`] when the task was stopped.
+fn in_pieces<P: Sync, T: Send>(
+    pixels: &[P],
+    most: usize,
+    task: Task<'_>,
+    find: impl Fn(&[P]) -> Vec<T> + Sync,
+) -> Result<Vec<T>> {
+    let size = batch(pixels.len(), most);
+    let pieces = task.pieces(pixels.len().div_ceil(size));
+    let found: Result<Vec<Vec<T>>> = pixels
+        .par_chunks(size)
+        .map(|pixels| {
+            pieces.begin()?;
+            Ok(find(pixels))
+        })
+        .collect();
+    Ok(found?.into_iter().flatten().collect())
 }
 
 /// How many of so many pixels pass through the effects together: at most `most`, and few enough that every core has some.

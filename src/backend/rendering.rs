@@ -1,20 +1,21 @@
 //! What a rendering may take and what it gives.
 
 use crate::effect::Effect;
-use crate::error::{Error, Result};
 use crate::frame::Frame;
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::task::{Progress, Task};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// Called with the share of the work that is done, 0 to 1.
-pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
+/// The stage in which the picture itself is made, when what it needs is there.
+pub const PICTURE: &str = "the picture";
 
 /// What a rendering may take.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits<'a> {
     /// The most that the finished frame may hold [bytes].
     pub memory: u64,
-    /// Set by whoever wants the rendering to stop: it ends within a tile or a band of rows with [`Error::Stopped`].
+    /// Set by whoever wants the rendering to stop: it ends with [`crate::Error::Stopped`], at most some
+    /// hundred pixels later; what is made for it and not done then is not kept.
     pub stop: Option<&'a AtomicBool>,
 }
 
@@ -27,12 +28,9 @@ impl Limits<'_> {
         }
     }
 
-    /// Whether to go on.
-    pub(super) fn check(&self) -> Result<()> {
-        match self.stop {
-            Some(stop) if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
-            _ => Ok(()),
-        }
+    /// A rendering within these limits, as work of which `progress` is told.
+    pub(super) fn task<'w>(&'w self, progress: Progress<'w>) -> Task<'w> {
+        Task::new(progress, self.stop)
     }
 }
 

@@ -62,7 +62,7 @@ pub const AIR_SHADOW: Effect = Effect {
         let air = conditions.air.with_sources(Medium::is_clear_air);
         let before_sky = conditions.air.before_sky();
         let far = far(&air);
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             let mut shades = Vec::new();
             fields.update(Field::Background, |ray, _, surface, present| {
                 if surface.is_met() || present == DVec3::ZERO {
@@ -82,7 +82,7 @@ pub const AIR_SHADOW: Effect = Effect {
                 let depth = before_sky.optical_depth(ray.origin, ray.direction, end);
                 present * left((-depth).exp() * present, shadow, whole)
             });
-        })
+        }))
     },
     passes: &[
         Pass {

@@ -12,8 +12,9 @@
 
 use super::kept::Shared;
 use super::radiosity::shared;
-use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings};
+use super::{Contribution, Decision, Effect, Field, Keep, Keeper, Knob, Settings};
 use crate::conditions::{Conditions, Input};
+use crate::error::Result;
 use crate::radiosity::Care;
 use crate::radiosity::air::{self, Fineness, Lattice, Picture};
 use glam::{DVec3, UVec2};
@@ -66,9 +67,9 @@ pub const AIR_SKY: Effect = Effect {
     ],
     decide,
     reference: |conditions, settings, kept| {
-        let light = air_light(conditions, settings, kept);
+        let light = air_light(conditions, settings, kept)?;
         let before_sky = conditions.air.before_sky();
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             let mut sight = light.sight();
             fields.update(Field::InscatterSky, |ray, pixel, surface, present| {
                 let is_met = surface.is_met();
@@ -78,7 +79,7 @@ pub const AIR_SKY: Effect = Effect {
                 };
                 present + light.light(centre(pixel), ray, distance, is_met, &mut sight)
             });
-        })
+        }))
     },
     passes: &[],
     ..Effect::NOTHING
@@ -100,29 +101,33 @@ const PICTURE: Keep = Keep {
     reads: &[Input::Geometry, Input::Media, Input::View],
 };
 
-fn air_light(conditions: &Conditions, settings: &Settings<'_>, kept: &Kept) -> Arc<Picture> {
-    let (transport, light) = shared(conditions, kept);
+fn air_light(
+    conditions: &Conditions,
+    settings: &Settings<'_>,
+    kept: &Keeper<'_>,
+) -> Result<Arc<Picture>> {
+    let (transport, light) = shared(conditions, kept)?;
     let seen_by: [Shared; 1] = [transport.clone()];
-    let lattice = kept.get_from(&LATTICE, conditions, settings, &seen_by, || {
+    let lattice = kept.get_from(&LATTICE, conditions, settings, &seen_by, |_| {
         let care = Care {
             rays: settings.get("rays") as usize,
             outline: settings.get("outline"),
         };
-        Lattice::new(transport, conditions.geometry.clone(), care)
-    });
+        Ok(Lattice::new(transport, conditions.geometry.clone(), care))
+    })?;
     kept.get_from(
         &PICTURE,
         conditions,
         settings,
         &[lattice.clone(), light.clone()],
-        || {
+        |_| {
             let fineness = Fineness {
                 columns: settings.get("columns"),
                 spacing: settings.get("spacing"),
                 difference: settings.get("difference"),
                 finest: settings.get("finest"),
             };
-            air::picture(conditions, lattice, light, fineness)
+            Ok(air::picture(conditions, lattice, light, fineness))
         },
     )
 }

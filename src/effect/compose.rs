@@ -14,11 +14,11 @@ pub const COMPOSE: Effect = Effect {
     alters: ATTENUATED,
     decide: |_| Decision::run("light passes the air", Contribution::Everything),
     reference: |_, _, _| {
-        Box::new(|fields| {
+        Ok(Box::new(|fields| {
             for layer in ATTENUATED {
                 fields.multiply(*layer, Field::Transmittance);
             }
-        })
+        }))
     },
     passes: &[Pass {
         shader: include_str!("../../shaders/compose.wgsl"),

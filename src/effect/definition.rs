@@ -1,11 +1,12 @@
 //! What an effect is: data and functions, no state.
 
 use super::fields::Fields;
-use super::kept::{Keep, Kept};
+use super::kept::{Keep, Keeper};
 use super::method::Method;
 use super::pass::{Over, Pass, RasterView};
 use super::settings::{Knob, Settings};
 use crate::conditions::Conditions;
+use crate::error::Result;
 use crate::frame::Field;
 
 /// What light does in one respect: data and functions, no state.
@@ -28,8 +29,9 @@ pub struct Effect {
     pub knobs: &'static [Knob],
     /// Whether the scene calls for it, and what would be missing without it.
     pub decide: fn(&Conditions) -> Decision,
-    /// The slow and exact way on the CPU, in f64: prepared once a frame, then run on batches of rays on all cores.
-    pub reference: for<'a> fn(&'a Conditions, &Settings<'_>, &Kept) -> Batch<'a>,
+    /// The slow and exact way on the CPU, in f64: prepared once a frame, then run on batches of rays on all cores. Preparing it ends
+    /// with an error when it was stopped.
+    pub reference: for<'a> fn(&'a Conditions, &Settings<'_>, &Keeper<'_>) -> Result<Batch<'a>>,
     /// What it does on a GPU; empty: `reference` does it on the CPU there too.
     pub passes: &'static [Pass],
 }
@@ -46,7 +48,7 @@ impl Effect {
         method: None,
         knobs: &[],
         decide: |_| Decision::nothing("there is nothing to do"),
-        reference: |_, _, _| Box::new(|_| {}),
+        reference: |_, _, _| Ok(Box::new(|_| {})),
         passes: &[],
     };
 

@@ -2,6 +2,8 @@
 
 use super::settings::Settings;
 use crate::conditions::{Conditions, Input, Snapshot};
+use crate::error::Result;
+use crate::task::Task;
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -40,28 +42,42 @@ pub struct Kept {
     notes: Mutex<Vec<String>>,
 }
 
-impl Kept {
-    /// The kept result, if nothing that it was made of has changed; else `make` makes it anew, and it takes the old one's place.
+/// What is kept, as the effects of a plan get to it while they are prepared.
+pub struct Keeper<'k> {
+    kept: &'k Kept,
+    task: Task<'k>,
+}
+
+impl Keeper<'_> {
+    /// The kept result, if nothing that it was made of has changed; else `make` makes it anew, and it takes the old one's place. The
+    /// work of making it is a stage of its own, named like the result.
+    ///
+    /// # Errors
+    /// Those of `make`; then nothing is kept.
     pub fn get<T: Any + Send + Sync>(
         &self,
         keep: &Keep,
         conditions: &Conditions,
         settings: &Settings<'_>,
-        make: impl FnOnce() -> T,
-    ) -> Arc<T> {
+        make: impl FnOnce(Task<'_>) -> Result<T>,
+    ) -> Result<Arc<T>> {
         self.get_from(keep, conditions, settings, &[], make)
     }
 
     /// The same of a result that is made of other kept results too, `parents`: it ends when one of these is another one.
+    ///
+    /// # Errors
+    /// Those of `make`; then nothing is kept.
     pub fn get_from<T: Any + Send + Sync>(
         &self,
         keep: &Keep,
         conditions: &Conditions,
         settings: &Settings<'_>,
         parents: &[Shared],
-        make: impl FnOnce() -> T,
-    ) -> Arc<T> {
-        let lock = || self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        make: impl FnOnce(Task<'_>) -> Result<T>,
+    ) -> Result<Arc<T>> {
+        let kept = self.kept;
+        let lock = || kept.entries.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock().iter().find_map(|entry| {
             let same = entry.effect == settings.effect
                 && entry.name == keep.name
@@ -71,10 +87,10 @@ impl Kept {
             same.then(|| entry.value.clone())
         });
         if let Some(value) = known.and_then(|value| value.downcast::<T>().ok()) {
-            return value;
+            return Ok(value);
         }
         // Not locked, so that what takes long does not keep others waiting.
-        let value = Arc::new(make());
+        let value = Arc::new(make(self.task.stage(keep.name))?);
         let mut entries = lock();
         // What is of another scene would only keep that alive.
         entries.retain(|entry| {
@@ -90,11 +106,11 @@ impl Kept {
             value: value.clone(),
         });
         drop(entries);
-        self.made
+        kept.made
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .push(keep.name);
-        value
+        Ok(value)
     }
 
     /// What another effect keeps, if nothing that it was made of has changed; the effect of a plan that comes before has made it for
@@ -105,7 +121,8 @@ impl Kept {
         keep: &Keep,
         conditions: &Conditions,
     ) -> Option<Arc<T>> {
-        let entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        let entries = &self.kept.entries;
+        let entries = entries.lock().unwrap_or_else(PoisonError::into_inner);
         let entry = entries.iter().find(|entry| {
             entry.effect == effect
                 && entry.name == keep.name
@@ -114,17 +131,25 @@ impl Kept {
         entry.and_then(|entry| entry.value.clone().downcast::<T>().ok())
     }
 
-    /// What was made since the last call, by name.
-    pub fn take_made(&self) -> Vec<&'static str> {
-        std::mem::take(&mut self.made.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
     /// Says something about the picture at hand that a user may want to know.
     pub fn note(&self, text: String) {
-        let mut notes = self.notes.lock().unwrap_or_else(PoisonError::into_inner);
+        let notes = &self.kept.notes;
+        let mut notes = notes.lock().unwrap_or_else(PoisonError::into_inner);
         if !notes.contains(&text) {
             notes.push(text);
         }
+    }
+}
+
+impl Kept {
+    /// Lends it to the effects of a plan, which are prepared as this task.
+    pub fn keeper<'k>(&'k self, task: Task<'k>) -> Keeper<'k> {
+        Keeper { kept: self, task }
+    }
+
+    /// What was made since the last call, by name.
+    pub fn take_made(&self) -> Vec<&'static str> {
+        std::mem::take(&mut self.made.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// What was said since the last call.

@@ -78,11 +78,11 @@
 //!     decide: |_| Decision::run("it was added", Contribution::Bound(100.0)),
 //!     reference: |_, settings, _| {
 //!         let strength = settings.get("strength");
-//!         Box::new(move |fields| {
+//!         Ok(Box::new(move |fields| {
 //!             fields.update(Field::Lights, |_, _, surface, present| {
 //!                 present + strength * surface.albedo
 //!             });
-//!         })
+//!         }))
 //!     },
 //!     passes: &[Pass {
 //!         shader: r#"
@@ -116,7 +116,7 @@
 //! let request = Request { size: Some([24, 15]), samples: Some(1), ..Request::default() };
 //! let conditions = Conditions::new(Scene::builtin("nave")?, &request)?;
 //! let plan = Plan::with(&conditions, &Overrules::default(), &effects)?;
-//! let picture = Reference::new(&plan).render(&Limits::default(), &|_| {})?;
+//! let picture = Reference::new(&plan)?.render(&Limits::default(), &|_| {})?;
 //! assert!(picture.frame.layer("lights").is_some());
 //! # Ok(())
 //! # }
@@ -139,7 +139,7 @@
 //! new anchor of the scene. Sun, media and view are compared by value, the sky by identity: the same minute asked for again has
 //! another sky. Results that no effect of a plan names are kept as long as they hold, up to 512 MiB. Products are filled by passes that run when they are needed:
 //! [`When::Once`], or [`When::Until`] a condition holds that is read back from the device; on the CPU by the function that is given
-//! to [`Kept::get`]. A result that depends on something it does not name is wrong as soon as that changes: name it.
+//! to [`Keeper::get`]. A result that depends on something it does not name is wrong as soon as that changes: name it.
 
 pub mod air_shadow;
 pub mod air_sky;
@@ -172,7 +172,7 @@ pub use all::ALL;
 pub use beams::sun_beams;
 pub use definition::{Batch, Contribution, Decision, Effect};
 pub use fields::{Fields, Source, Surface};
-pub use kept::{Keep, Kept};
+pub use kept::{Keep, Keeper, Kept};
 pub use method::Method;
 pub use pass::{
     Extent, Life, Loop, MapSettings, Number, Over, Pass, Product, RasterView, Resource, TILE, When,

@@ -5,9 +5,10 @@
 //! a place receives of it, and of the sky, by rays from that place, so that contact shadows and outlines of windows are as sharp as
 //! they are, and no patch shows.
 
-use super::{Contribution, Decision, Effect, Field, Keep, Kept, Knob, Settings, Source, Surface};
+use super::{Contribution, Decision, Effect, Field, Keep, Keeper, Knob, Settings, Source, Surface};
 use crate::colour::luminance;
 use crate::conditions::{Conditions, Input, Receivers};
+use crate::error::Result;
 use crate::radiosity::{Arrival, Care, Detail, Lattice, Light, Source as From, Transport};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -111,19 +112,15 @@ pub const RADIOSITY: Effect = Effect {
         )
     },
     reference: |conditions, settings, kept| {
-        let (transport, light) = solution(conditions, settings, kept);
+        let (transport, light) = solution(conditions, settings, kept)?;
         if conditions.geometry.triangle_count() > 0 {
             kept.note(light.describe(&transport));
         }
-        let lattice = kept.get(&LATTICE, conditions, settings, || {
-            Lattice::new(
-                &transport,
-                &light,
-                settings.get("bend"),
-                settings.get("depth") as u32,
-            )
-        });
-        Box::new(move |fields| {
+        let lattice = kept.get(&LATTICE, conditions, settings, |_| {
+            let [bend, depth] = ["bend", "depth"].map(|knob| settings.get(knob));
+            Ok(Lattice::new(&transport, &light, bend, depth as u32))
+        })?;
+        Ok(Box::new(move |fields| {
             let received: Vec<[DVec3; 2]> = fields
                 .surfaces
                 .iter()
@@ -148,7 +145,7 @@ pub const RADIOSITY: Effect = Effect {
                     present + surface.albedo / PI * received
                 });
             }
-        })
+        }))
     },
     passes: &[],
     ..Effect::NOTHING
@@ -182,8 +179,8 @@ const LATTICE: Keep = Keep {
 fn solution(
     conditions: &Conditions,
     settings: &Settings<'_>,
-    kept: &Kept,
-) -> (Arc<Transport>, Arc<Light>) {
+    kept: &Keeper<'_>,
+) -> Result<(Arc<Transport>, Arc<Light>)> {
     let detail = Detail {
         sky: settings.get("sky") as u32,
         care: Care {
@@ -195,22 +192,25 @@ fn solution(
         patch_rays: settings.get("patch_rays") as usize,
         patch_spots: settings.get("patch_spots") as usize,
     };
-    let transport = kept.get(&TRANSPORT, conditions, settings, || {
-        Transport::new(conditions, detail)
-    });
-    let light = kept.get(&LIGHT, conditions, settings, || {
-        Light::new(&transport, conditions, settings.get("unshot"))
-    });
-    (transport, light)
+    let transport = kept.get(&TRANSPORT, conditions, settings, |task| {
+        Transport::new(conditions, detail, task)
+    })?;
+    let light = kept.get(&LIGHT, conditions, settings, |task| {
+        Light::new(&transport, conditions, settings.get("unshot"), task)
+    })?;
+    Ok((transport, light))
 }
 
 /// Transport and light as this effect has made them for the plan at hand; of a plan without it, as it would by its knobs at the
 /// quality `preview`.
-pub(super) fn shared(conditions: &Conditions, kept: &Kept) -> (Arc<Transport>, Arc<Light>) {
+pub(super) fn shared(
+    conditions: &Conditions,
+    kept: &Keeper<'_>,
+) -> Result<(Arc<Transport>, Arc<Light>)> {
     let transport = kept.of_other(RADIOSITY.name, &TRANSPORT, conditions);
     let light = kept.of_other(RADIOSITY.name, &LIGHT, conditions);
     if let (Some(transport), Some(light)) = (transport, light) {
-        return (transport, light);
+        return Ok((transport, light));
     }
     let values: Vec<_> = RADIOSITY
         .knobs

@@ -9,8 +9,9 @@
 //! Multiple scattering is not simulated: in air of optical depth tau and single-scattering albedo w about w tau / 2 of the
 //! scattered light is missing from each further order.
 
-use super::{Batch, Contribution, Decision, Field, Kept, Knob, Settings, sun_beams};
+use super::{Batch, Contribution, Decision, Field, Keeper, Knob, Settings, sun_beams};
 use crate::conditions::{Conditions, spread};
+use crate::error::Result;
 use crate::medium::Scattering;
 use crate::scene::penumbra::{Edges, NODES, SoftShade};
 use glam::DVec3;
@@ -89,8 +90,8 @@ fn are_told_apart(conditions: &Conditions, edges: &Edges) -> bool {
 pub fn reference<'a>(
     conditions: &'a Conditions,
     settings: &Settings<'_>,
-    kept: &Kept,
-) -> Batch<'a> {
+    kept: &Keeper<'_>,
+) -> Result<Batch<'a>> {
     let beams = sun_beams(conditions, settings);
     let edges = match settings.get("disc") > 0.0 {
         true => conditions.sun_edges(),
@@ -108,7 +109,7 @@ pub fn reference<'a>(
     });
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
-    Box::new(move |fields| {
+    Ok(Box::new(move |fields| {
         let mut shades = Vec::new();
         let mut soft = SoftShade::default();
         fields.update(Field::InscatterSun, |ray, _, surface, present| {
@@ -145,5 +146,5 @@ pub fn reference<'a>(
             }
             present + sum
         });
-    })
+    }))
 }

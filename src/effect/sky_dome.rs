@@ -22,14 +22,14 @@ pub const SKY_DOME: Effect = Effect {
     },
     reference: |conditions, _, _| {
         let sky = conditions.sky.as_ref();
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             fields.update(Field::Background, |ray, _, surface, present| match sky {
                 Some(sky) if !surface.is_met() && ray.direction.y >= 0.0 => {
                     present + sky.radiance(ray.direction)
                 }
                 _ => present + DVec3::ZERO,
             });
-        })
+        }))
     },
     passes: &[Pass {
         shader: include_str!("../../shaders/sky_dome.wgsl"),

@@ -34,7 +34,7 @@ pub const SUN_DISC: Effect = Effect {
     },
     reference: |conditions, _, _| {
         let disc = Disc::new(&conditions.sun);
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             fields.update(Field::Background, |ray, pixel, surface, present| {
                 if surface.is_met() {
                     return present;
@@ -46,7 +46,7 @@ pub const SUN_DISC: Effect = Effect {
                 };
                 present + seen
             });
-        })
+        }))
     },
     // Exact coverage needs f64; it costs nothing away from the disc's few pixels.
     passes: &[],

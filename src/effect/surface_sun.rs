@@ -49,7 +49,7 @@ pub const SURFACE_SUN: Effect = Effect {
     reference: |conditions, settings, _| {
         let beams = sun_beams(conditions, settings);
         let whole = whole_sun(conditions, settings).zip(conditions.sun.disc());
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             let mut work = DiscWork::default();
             fields.update(Field::Sun, |_, _, surface, present| {
                 if !surface.is_met() {
@@ -99,7 +99,7 @@ pub const SURFACE_SUN: Effect = Effect {
                 }
                 present + surface.albedo / PI * sum
             });
-        })
+        }))
     },
     passes: &[Pass {
         shader: include_str!("../../shaders/surface_sun.wgsl"),

@@ -32,7 +32,7 @@ pub const TRANSMITTANCE: Effect = Effect {
     },
     reference: |conditions, _, _| {
         let before_sky = conditions.air.before_sky();
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             fields.update(Field::Transmittance, |ray, _, surface, _| {
                 let (air, end) = match surface.is_met() {
                     true => (&conditions.air, surface.distance),
@@ -40,7 +40,7 @@ pub const TRANSMITTANCE: Effect = Effect {
                 };
                 (-air.optical_depth(ray.origin, ray.direction, end)).exp()
             });
-        })
+        }))
     },
     passes: &[Pass {
         shader: include_str!("../../shaders/transmittance.wgsl"),

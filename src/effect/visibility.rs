@@ -43,7 +43,7 @@ pub const VISIBILITY: Effect = Effect {
     },
     reference: |conditions, _, _| {
         let working_from_rec709 = Space::Rec709.to_working();
-        Box::new(move |fields| {
+        Ok(Box::new(move |fields| {
             let places = fields.rays.iter().zip(&fields.pixels).zip(&fields.samples);
             for (((ray, pixel), sample), surface) in places.zip(&mut fields.surfaces) {
                 *surface = match conditions.view.receivers {
@@ -54,7 +54,7 @@ pub const VISIBILITY: Effect = Effect {
                     Receivers::Points(_) => receiver_surface(&conditions.view, *pixel),
                 };
             }
-        })
+        }))
     },
     passes: &[
         Pass {

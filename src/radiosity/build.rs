@@ -3,14 +3,17 @@
 use super::arrival::{Care, Map, Row, Source, merge, spread};
 use super::dome::Dome;
 use super::exchange::Exchange;
+use super::gaps::{Gap, gaps};
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
-use super::transport::{Detail, Transport, WHOLE};
+use super::transport::{Detail, Look, Transport, WHOLE};
 use crate::conditions::Conditions;
+use crate::error::Result;
 use crate::scene::Ray;
 use crate::sky::patches::Subdivision;
-use glam::{DVec3, Vec3};
+use crate::task::{Pieces, Task};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 
@@ -35,6 +38,9 @@ const LOOKERS: usize = 1000;
 /// From so many of them what was found is looked at again: points beside a pillar before a window are in no opening.
 const JUDGES: usize = 32;
 
+/// Ways through a gap from each of four points of a patch.
+const WAYS: usize = 4;
+
 /// The most points that are looked at again.
 const JUDGED: usize = 4096;
 
@@ -49,41 +55,67 @@ fn outside(row: &Row) -> f32 {
 
 impl Transport {
     /// Prepares it for a scene: of the conditions, geometry, materials, media and ground count.
-    pub fn new(conditions: &Conditions, detail: Detail) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Stopped`] when the work was stopped.
+    pub fn new(conditions: &Conditions, detail: Detail, task: Task<'_>) -> Result<Self> {
+        let patches = Patches::new(
+            conditions,
+            detail.patch,
+            detail.patches,
+            task.part(0.0, 0.1),
+        )?;
         let mut transport = Transport {
             conditions: conditions.clone(),
             dome: Dome::new(match detail.sky {
                 0 => Subdivision::Triangles,
                 factor => Subdivision::Reinhart(factor),
             }),
-            patches: Patches::new(conditions, detail.patch, detail.patches),
+            patches,
             exchange: Exchange::default(),
             openings: Openings::default(),
+            gaps: Vec::new(),
+            by_gaps: Vec::new(),
             seen: Seen::new(),
             seen_bytes: AtomicU64::new(0),
             detail,
         };
         let all = vec![true; transport.patches.all.len()];
-        let few = transport.rows(&all, FEW);
-        let lit = Exchange::reached(&few);
-        transport.openings = transport.find_openings(&lit);
+        let (gaps, through) = transport.find_gaps(task)?;
+        transport.gaps = gaps;
+        let few = transport.rows(&all, &[], FEW, task.part(0.1, 0.2))?;
+        let lit = Exchange::reached(&few, &through);
+        if !transport.gaps.is_empty() {
+            let otherwise = Exchange::reached(&few, &[]);
+            let by_gaps = lit.iter().zip(otherwise).map(|(lit, other)| *lit && !other);
+            transport.by_gaps = by_gaps.collect();
+        }
+        transport.openings = transport.find_openings(&lit, task.part(0.2, 0.25))?;
         let count = lit.iter().filter(|lit| **lit).count().max(1);
         let rays = (detail.patch_rays / count).clamp(FEW, MANY);
         let spots = transport.spots(&few, &lit, detail.patch_spots);
         let mut rows = match rays {
             // The same rays would meet the same.
-            FEW => few,
-            rays => transport.rows(&lit, rays),
+            FEW if !transport.by_gaps.contains(&true) => few,
+            rays => {
+                let patches = 0..few.len();
+                let worth: Vec<f64> = patches.map(|patch| transport.worth(patch)).collect();
+                transport.rows(&lit, &worth, rays, task.part(0.25, 0.6))?
+            }
         };
+        let pieces = task.part(0.6, 0.9).pieces(spots.iter().sum());
         rows.par_iter_mut()
             .enumerate()
-            .for_each(|(patch, row)| match spots[patch] {
-                _ if !lit[patch] => row.clear(),
-                0 => {}
-                spots => transport.look_outside(row, patch, spots),
-            });
-        transport.exchange = Exchange::new(&transport.patches, rows);
-        transport
+            .try_for_each(|(patch, row)| match spots[patch] {
+                _ if !lit[patch] => {
+                    row.clear();
+                    Ok(())
+                }
+                0 => Ok(()),
+                spots => transport.look_outside(row, patch, spots, &pieces),
+            })?;
+        transport.exchange = Exchange::new(&transport.patches, rows, task.part(0.9, 1.0))?;
+        Ok(transport)
     }
 
     /// From how many of its points each patch looks at the outside: as many as there are points to spend, the largest patches first,
@@ -103,40 +135,143 @@ impl Transport {
         spots
     }
 
-    /// What the wanted patches see along rays, by source: shares and what is let through of them.
-    fn rows(&self, wanted: &[bool], rays: usize) -> Vec<Row> {
+    /// What the wanted patches see along rays, by source: shares and what is let through of them; and through the small gaps that are
+    /// `worth` it to each.
+    fn rows(
+        &self,
+        wanted: &[bool],
+        worth: &[f64],
+        rays: usize,
+        task: Task<'_>,
+    ) -> Result<Vec<Row>> {
+        let pieces = task.pieces(self.patches.all.len());
         let near = self.near(DVec3::ZERO);
         (0..self.patches.all.len())
             .into_par_iter()
             .map(|patch| {
+                pieces.begin()?;
                 let own = &self.patches.all[patch];
                 if !wanted[patch] || own.area <= 0.0 {
-                    return Row::default();
+                    return Ok(Row::default());
                 }
-                let share = 1.0 / rays as f32;
-                let mut row: Vec<(Source, f32, Vec3)> = (0..rays)
-                    .map(|i| {
-                        let ray = own.ray(&spread(i, patch as u64), near);
-                        let look = self.look(&ray, WHOLE);
-                        (look.source, share, share * look.through)
-                    })
+                let (mut row, gaps) = match worth.get(patch) {
+                    Some(worth) => self.through_gaps(patch, *worth, rays),
+                    None => (Row::new(), Vec::new()),
+                };
+                let found: f32 = row.iter().map(|(_, share, _)| share).sum();
+                let sent = (0..rays).map(|i| own.ray(&spread(i, patch as u64), near));
+                // What a few rays find by chance through a gap is far too much.
+                let chance = |ray: &Ray, look: &Look| {
+                    worth.is_empty()
+                        && is_outside(look.source)
+                        && self.gaps.iter().any(|gap| gap.is_on(ray))
+                };
+                let others: Vec<Look> = sent
+                    .filter(|ray| !gaps.iter().any(|gap| gap.is_on(ray)))
+                    .map(|ray| (ray, self.look(&ray, WHOLE)))
+                    .filter(|(ray, look)| !chance(ray, look))
+                    .map(|(_, look)| look)
                     .collect();
+                let share = (1.0 - found) / others.len().max(1) as f32;
+                row.extend(
+                    others
+                        .iter()
+                        .map(|look| (look.source, share, share * look.through)),
+                );
                 merge(&mut row);
-                row
+                Ok(row)
             })
             .collect()
     }
 
+    /// The least share of what comes through a gap that is worth a look at it from a patch [1].
+    fn worth(&self, patch: usize) -> f64 {
+        match self.by_gaps.get(patch) {
+            Some(true) => 1e-4,
+            // What it gets is little beside its other light, and of what it gives the other side knows enough.
+            _ => 1.0 / 64.0,
+        }
+    }
+
+    /// The small gaps, and for each what light passes between through it.
+    fn find_gaps(&self, task: Task<'_>) -> Result<(Vec<Gap>, Vec<Vec<Source>>)> {
+        let near = self.near(DVec3::ZERO);
+        let found = gaps(self.patches.sides(), task.part(0.2, 0.2))?;
+        let looked: Vec<(Gap, Vec<Source>)> = found
+            .into_par_iter()
+            .filter_map(|mut gap| {
+                let meet = |ray: &Ray| {
+                    let look = self.look(ray, WHOLE);
+                    (look.source, look.distance)
+                };
+                let seen = gap.look(meet, near)?;
+                Some((gap, seen))
+            })
+            .collect();
+        Ok(looked.into_iter().unzip())
+    }
+
+    /// What a patch sees through small gaps, by points of both; and the gaps. None that are wide from there, and none of which less
+    /// than this share comes to the patch.
+    fn through_gaps(&self, patch: usize, worth: f64, rays: usize) -> (Row, Vec<&Gap>) {
+        if self.gaps.is_empty() {
+            return (Row::new(), Vec::new());
+        }
+        let own = &self.patches.all[patch];
+        let spots = [0, 1, 2, 3].map(|k| own.spot(&spread(k, patch as u64)));
+        let places =
+            spots.map(|spot| (spot.lifted(self.near(spot.point)), Map::before(spot.normal)));
+        let most = |gap: &Gap| {
+            let seen = places.iter().filter(|(place, _)| gap.is_seen_from(*place));
+            seen.map(|(place, map)| gap.most(*place, map))
+                .fold(0.0, f64::max)
+        };
+        let mut used: Vec<(&Gap, f64)> = self.gaps.iter().map(|gap| (gap, most(gap))).collect();
+        used.retain(|(gap, most)| most * own.area > worth * gap.area);
+        used.sort_by(|a, b| b.1.total_cmp(&a.1));
+        used.truncate(rays / WAYS);
+        let mut row = Row::new();
+        for (place, map) in &places {
+            for (number, (gap, _)) in used.iter().enumerate() {
+                for way in gap.ways(*place, map, WAYS) {
+                    let ray = Ray {
+                        origin: *place,
+                        direction: way.toward,
+                    };
+                    // A way through two gaps, one behind the other, is one.
+                    if used[..number].iter().any(|(other, _)| other.is_on(&ray)) {
+                        continue;
+                    }
+                    let look = self.look(&ray, WHOLE);
+                    let share = (way.weight / places.len() as f64) as f32;
+                    row.push((look.source, share, share * look.through));
+                }
+            }
+        }
+        let found: f32 = row.iter().map(|(_, share, _)| share).sum();
+        match found < WIDE {
+            true => (row, used.into_iter().map(|(gap, _)| gap).collect()),
+            false => (Row::new(), Vec::new()),
+        }
+    }
+
     /// Puts what a few of a patch's points see of the outside, through openings that are small from there, in the place of what its
     /// rays have met by chance.
-    fn look_outside(&self, row: &mut Row, patch: usize, spots: usize) {
+    fn look_outside(
+        &self,
+        row: &mut Row,
+        patch: usize,
+        spots: usize,
+        pieces: &Pieces<'_>,
+    ) -> Result<()> {
         let chance = outside(row);
         if chance > WIDE {
-            return;
+            return Ok(());
         }
         let own = &self.patches.all[patch];
         let mut seen = Row::new();
         for k in 0..spots {
+            pieces.begin()?;
             let spot = own.spot(&spread(k, patch as u64));
             let origin = spot.lifted(self.near(spot.point));
             for arrival in self.gather(origin, &Map::before(spot.normal), SPOT) {
@@ -159,24 +294,30 @@ impl Transport {
         }
         row.extend(seen);
         merge(row);
+        Ok(())
     }
 
     /// Looks for openings from the patches that light reaches.
-    fn find_openings(&self, lit: &[bool]) -> Openings {
+    fn find_openings(&self, lit: &[bool], task: Task<'_>) -> Result<Openings> {
         let all = &self.patches.all;
         let reached: Vec<usize> = (0..all.len())
             .filter(|patch| lit[*patch] && all[*patch].area > 0.0)
             .collect();
         let stride = reached.len().div_ceil(LOOKERS).max(1);
-        let looks: Vec<(Spot, Vec<DVec3>)> = reached
+        let pieces = task.part(0.0, 0.5).pieces(reached.len().div_ceil(stride));
+        let looks: Result<Vec<(Spot, Vec<DVec3>)>> = reached
             .par_iter()
             .step_by(stride)
             .filter_map(|patch| {
+                if let Err(stopped) = pieces.begin() {
+                    return Some(Err(stopped));
+                }
                 let spot = all[*patch].spot(&spread(0, *patch as u64));
                 let found = self.openings_before(spot.point, spot.normal)?;
-                Some((spot, found))
+                Some(Ok((spot, found)))
             })
             .collect();
+        let looks = looks?;
         // Points beside a pillar before a window are in no opening: through a point in one others see the outside too.
         let stride = looks.len().div_ceil(JUDGES).max(1);
         let judges: Vec<Spot> = looks
@@ -188,9 +329,11 @@ impl Transport {
         let found = found.map(|point| (point, 0)).collect();
         let extent = self.conditions.geometry.extent();
         let (found, _) = thinned(found, JUDGED, 1e-4 * extent);
-        let mut judged: Vec<(DVec3, usize)> = found
+        let pieces = task.part(0.5, 1.0).pieces(found.len());
+        let judged: Result<Vec<(DVec3, usize)>> = found
             .into_par_iter()
             .map(|(point, _)| {
+                pieces.begin()?;
                 let through = judges.iter().filter(|judge| {
                     let way = (point - judge.point).normalize_or_zero();
                     let near = self.near(judge.point);
@@ -203,10 +346,11 @@ impl Transport {
                         self.is_bright(look.source)
                     }
                 });
-                (point, through.count())
+                Ok((point, through.count()))
             })
             .collect();
+        let mut judged = judged?;
         judged.retain(|(_, count)| *count > 0);
-        Openings::new(judged, extent)
+        Ok(Openings::new(judged, extent))
     }
 }

@@ -7,6 +7,8 @@
 use super::planes::{Plane, Surfaces, corners};
 use super::tiles::{FINEST, Tile};
 use crate::conditions::Conditions;
+use crate::error::Result;
+use crate::task::Task;
 use glam::{DVec2, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -154,6 +156,33 @@ impl Face {
         self.side
     }
 
+    /// The squares that it is cut into: the lower corner and the side of each [m], and what of the surface is there.
+    pub fn squares(&self) -> Vec<(DVec2, f64, Vec<Vec<DVec2>>)> {
+        let mut squares = Vec::new();
+        let mut open = vec![(0, self.low, self.side)];
+        while let Some((node, low, side)) = open.pop() {
+            match self.nodes[node] {
+                Node::Empty => squares.push((low, side, Vec::new())),
+                Node::Leaf(cell) => {
+                    let parts = self.cells[cell as usize].parts.iter();
+                    let pieces = parts.flat_map(|part| &part.pieces);
+                    let pieces = pieces.map(|(_, polygon)| polygon.clone());
+                    squares.push((low, side, pieces.collect()));
+                }
+                Node::Quarters(first) => {
+                    let half = 0.5 * side;
+                    for (quarter, x, y) in
+                        [(0, 0.0, 0.0), (1, 1.0, 0.0), (2, 0.0, 1.0), (3, 1.0, 1.0)]
+                    {
+                        let low = low + half * DVec2::new(x, y);
+                        open.push((first as usize + quarter, low, half));
+                    }
+                }
+            }
+        }
+        squares
+    }
+
     /// Whether there is surface at a point.
     pub fn covers(&self, at: DVec2) -> bool {
         let parts = self.cell(at).into_iter().flat_map(|(_, cell)| &cell.parts);
@@ -205,7 +234,8 @@ pub(super) fn faces(
     surfaces: &Surfaces,
     share: f64,
     most: usize,
-) -> (Vec<Face>, bool) {
+    task: Task<'_>,
+) -> Result<(Vec<Face>, bool)> {
     let mut faces = Vec::new();
     let mut queue = Queue::default();
     let mut add = |plane: Plane, low: DVec2, side: f64, pieces: Vec<(u32, Vec<DVec2>)>| {
@@ -253,6 +283,7 @@ pub(super) fn faces(
     let mut leaves = faces.len();
     let mut coarse = false;
     while let Some(square) = queue.pop() {
+        task.check()?;
         let number = square.face;
         let face = &mut faces[number];
         let wants = wants_quarters(face, surfaces, &square, share);
@@ -303,7 +334,7 @@ pub(super) fn faces(
             }
         }
     }
-    (faces, coarse)
+    Ok((faces, coarse))
 }
 
 /// Squares, the largest first, so that where there are too many all are coarse alike; of one size those that came first.
@@ -529,7 +560,7 @@ fn segment_within(a: DVec2, b: DVec2, low: DVec2, high: DVec2) -> Option<[DVec2;
 }
 
 /// The part of a convex polygon where `normal . p <= distance` (Sutherland & Hodgman 1974).
-fn clip(polygon: &[DVec2], normal: DVec2, distance: f64) -> Vec<DVec2> {
+pub(super) fn clip(polygon: &[DVec2], normal: DVec2, distance: f64) -> Vec<DVec2> {
     let mut inside = Vec::with_capacity(polygon.len() + 1);
     for (i, &a) in polygon.iter().enumerate() {
         let b = polygon[(i + 1) % polygon.len()];
@@ -545,7 +576,7 @@ fn clip(polygon: &[DVec2], normal: DVec2, distance: f64) -> Vec<DVec2> {
 }
 
 /// The part of a convex polygon in a rectangle.
-fn within(polygon: &[DVec2], low: DVec2, high: DVec2) -> Vec<DVec2> {
+pub(super) fn within(polygon: &[DVec2], low: DVec2, high: DVec2) -> Vec<DVec2> {
     let sides = [
         (DVec2::X, high.x),
         (DVec2::NEG_X, -low.x),
@@ -570,7 +601,7 @@ pub(super) fn holds(polygon: &[DVec2], at: DVec2) -> bool {
 }
 
 /// The area of a polygon.
-fn area(polygon: &[DVec2]) -> f64 {
+pub(super) fn area(polygon: &[DVec2]) -> f64 {
     let Some(&first) = polygon.first() else {
         return 0.0;
     };

@@ -6,6 +6,8 @@
 
 use super::arrival::{Row, Source};
 use super::patches::Patches;
+use crate::error::Result;
+use crate::task::Task;
 use glam::{DVec3, Vec3};
 
 /// What all patches exchange with each other and receive from outside.
@@ -27,13 +29,21 @@ impl Exchange {
         !self.to[patch].is_empty() || !self.outside[patch].is_empty()
     }
 
-    /// Which patches light from outside can reach, directly or by others.
-    pub fn reached(rows: &[Row]) -> Vec<bool> {
-        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); rows.len()];
+    /// Which patches light from outside can reach, directly or by others. `groups` are sources that light passes between in other ways than
+    /// along the rows.
+    pub fn reached(rows: &[Row], groups: &[Vec<Source>]) -> Vec<bool> {
+        let patches = rows.len();
+        let count = patches + groups.len();
+        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
         let mut open: Vec<u32> = Vec::new();
-        let mut reached = vec![false; rows.len()];
-        for (i, row) in rows.iter().enumerate() {
-            for (source, ..) in row {
+        let mut reached = vec![false; count];
+        let rows = rows
+            .iter()
+            .map(|row| row.iter().map(|(source, ..)| source).collect());
+        let groups = groups.iter().map(|group| group.iter().collect());
+        let seen: Vec<Vec<&Source>> = rows.chain(groups).collect();
+        for (i, sources) in seen.iter().enumerate() {
+            for source in sources {
                 match source {
                     Source::Patch(j, _) => {
                         neighbours[i].push(*j);
@@ -55,11 +65,12 @@ impl Exchange {
                 }
             }
         }
+        reached.truncate(patches);
         reached
     }
 
     /// Makes it of what each patch sees along its rays.
-    pub fn new(patches: &Patches, rows: Vec<Row>) -> Self {
+    pub fn new(patches: &Patches, rows: Vec<Row>, task: Task<'_>) -> Result<Self> {
         let count = rows.len();
         let areas: Vec<f64> = patches.all.iter().map(|patch| patch.area).collect();
         let mut pairs: Vec<(u32, u32, f64, DVec3)> = Vec::new();
@@ -95,7 +106,9 @@ impl Exchange {
             same
         });
         let mut correction = 0.0f64;
+        let turns = task.pieces(TURNS);
         for turn in 0..TURNS {
+            turns.begin()?;
             let mut sums: Vec<f64> = (0..count).map(|i| areas[i] * escapes[i]).collect();
             for (i, j, area, _) in &pairs {
                 sums[*i as usize] += area;
@@ -140,12 +153,12 @@ impl Exchange {
                 send(j, i);
             }
         }
-        Exchange {
+        Ok(Exchange {
             to,
             outside,
             escapes,
             correction,
-        }
+        })
     }
 }
 

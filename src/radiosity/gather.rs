@@ -2,11 +2,13 @@
 //!
 //! Directions lie in equal cells of a square that is mapped to the sphere or the hemisphere. Where a cell and its
 //! neighbour differ (one sees the sky, the other a wall), an outline runs through, and the cell is quartered until outlines are known
-//! well enough; openings that are known to be somewhere are looked for, however small they are from there. The same directions
+//! well enough; openings that are known to be somewhere are looked for, however small they are from there, and small gaps are looked
+//! through ([`super::gaps`]). The same directions
 //! everywhere let what is found change smoothly from place to place; each lies elsewhere in its cell, since an outline that runs along
 //! the cells' borders would be off by the same in all of them.
 
 use super::arrival::{Arrival, Care, Map, Source, spread};
+use super::gaps::{Gap, Way};
 use super::transport::{Look, Transport, WHOLE};
 use crate::scene::Ray;
 use glam::DVec3;
@@ -17,6 +19,12 @@ const LEVELS: [u32; 2] = [4, 9];
 
 /// The least share of a place's light that is worth a finer outline [1].
 const DIM: f64 = 0.004;
+
+/// The fewest ways through a gap.
+const FEWEST: usize = 8;
+
+/// How often a ray is sent another way in its cell, for want of one that does not go through a gap.
+const TURNS: usize = 4;
 
 /// What outlines are drawn between.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,13 +140,19 @@ impl View {
     }
 }
 
-/// Where in a cell its ray goes, 0 to 1: another place in each, the same at every point.
-fn within_cell(level: u32, i: u32, j: u32) -> [f64; 2] {
+/// Where in a cell its ray goes, 0 to 1: another place in each, the same at every point. If that will not do, the next of some.
+fn within_cell(level: u32, i: u32, j: u32, turn: usize) -> [f64; 2] {
     let [x, y, ..] = spread(
-        0,
+        turn,
         u64::from(level) << 56 | u64::from(i) << 28 | u64::from(j),
     );
     [x, y]
+}
+
+/// Whether a direction leads through one of some gaps.
+fn is_through(gaps: &[(&Gap, Vec<Way>)], origin: DVec3, direction: DVec3) -> bool {
+    let ray = Ray { origin, direction };
+    gaps.iter().any(|(gap, _)| gap.is_on(&ray))
 }
 
 impl Transport {
@@ -158,15 +172,11 @@ impl Transport {
     pub(super) fn gather(&self, origin: DVec3, map: &Map, care: Care) -> Vec<Arrival> {
         let n = (care.rays as f64).sqrt().round().max(2.0) as u32;
         let whole = map.whole();
-        let see = |level: u32, i: u32, j: u32| {
-            let side = f64::from(n << level);
-            let [x, y] = within_cell(level, i, j);
-            let toward = map.toward((f64::from(i) + x) / side, (f64::from(j) + y) / side);
+        let look_along = |toward: DVec3, share: f64| {
             let ray = Ray {
                 origin,
                 direction: toward,
             };
-            let share = whole / (side * side);
             let (look, part, before) = self.look_through(&ray, map.width(share, toward));
             let arrival = |look: &Look, part: f64| {
                 let whole = Arrival {
@@ -177,24 +187,53 @@ impl Transport {
                 };
                 whole.weakened(map, part)
             };
+            let before = before.iter().map(|(look, part)| arrival(look, *part));
+            (arrival(&look, part), before.collect())
+        };
+        let see = |level: u32, i: u32, j: u32, beside: &[(&Gap, Vec<Way>)]| {
+            let side = f64::from(n << level);
+            // What is seen through gaps is looked at by itself.
+            let toward = |turn| {
+                let [x, y] = within_cell(level, i, j, turn);
+                map.toward((f64::from(i) + x) / side, (f64::from(j) + y) / side)
+            };
+            let is_beside = |toward: &DVec3| !is_through(beside, origin, *toward);
+            let mut others = (0..TURNS).map(toward).filter(is_beside);
+            let (toward, share) = match others.next() {
+                Some(other) => (other, whole / (side * side)),
+                None => (toward(0), 0.0),
+            };
+            let (arrival, before) = look_along(toward, share);
             Square {
                 at: (level, i, j),
-                kind: self.kind(look.source),
+                kind: match share > 0.0 {
+                    true => self.kind(arrival.source),
+                    false => Kind::Dark,
+                },
                 quarters: 0,
-                arrival: arrival(&look, part),
-                before: before
-                    .iter()
-                    .map(|(look, part)| arrival(look, *part))
-                    .collect(),
+                arrival,
+                before,
             }
         };
         let mut view = View {
             n,
             is_edge: false,
-            squares: (0..n * n).map(|k| see(0, k % n, k / n)).collect(),
+            squares: (0..n * n).map(|k| see(0, k % n, k / n, &[])).collect(),
         };
+        let gaps = self.gaps_before(origin, map, &view, care);
+        if !gaps.is_empty() {
+            for square in &mut view.squares {
+                let (_, i, j) = square.at;
+                if is_through(&gaps, origin, square.arrival.toward.as_dvec3()) {
+                    *square = see(0, i, j, &gaps);
+                }
+            }
+        }
         view.is_edge = matches!(map, Map::Cosine(_)) && view.bright() < 0.5;
         let mut places = self.places(origin, map, &view, care);
+        if !gaps.is_empty() {
+            places.retain(|[x, y]| !is_through(&gaps, origin, map.toward(*x, *y)));
+        }
         for level in 0..LEVELS[1] {
             let mut open: Vec<u32> = match level < LEVELS[0] {
                 true => view.outline(level),
@@ -241,7 +280,7 @@ impl Transport {
                 view.squares[leaf as usize].quarters = first;
                 for quarter in 0..4 {
                     let (i, j) = (2 * i + quarter % 2, 2 * j + quarter / 2);
-                    view.squares.push(see(own + 1, i, j));
+                    view.squares.push(see(own + 1, i, j, &gaps));
                 }
                 if outlined {
                     for quarter in first..first + 4 {
@@ -250,10 +289,87 @@ impl Transport {
                 }
             }
         }
+        // Cells all of whose rays would go through gaps stand for nothing.
+        let is_empty = |s: &&Square| s.quarters == 0 && s.arrival.share == 0.0;
+        let empty = view.squares.iter().filter(is_empty);
+        let empty: f64 = empty.map(|s| whole / f64::from(n << s.at.0).powi(2)).sum();
         let leaves = view.squares.into_iter().filter(|s| s.quarters == 0);
-        leaves
-            .flat_map(|square| square.before.into_iter().chain([square.arrival]))
-            .collect()
+        let all = leaves.flat_map(|square| square.before.into_iter().chain([square.arrival]));
+        let mut all: Vec<Arrival> = all.collect();
+        let ways = gaps.iter().flat_map(|(_, ways)| ways);
+        let through: f64 = ways.clone().map(|way| way.weight).sum();
+        if through > 0.0 {
+            let rest = ((whole - through) / (whole - empty)) as f32;
+            all.iter_mut().for_each(|arrival| arrival.share *= rest);
+        }
+        for way in ways {
+            let (arrival, before) = look_along(way.toward, way.weight);
+            let before: Vec<Arrival> = before;
+            all.extend(before.into_iter().chain([arrival]));
+        }
+        all
+    }
+
+    /// The small gaps that a place looks through, and by which ways: those none of which stands for more than a
+    /// ray, and that give some of the light.
+    fn gaps_before(
+        &self,
+        origin: DVec3,
+        map: &Map,
+        view: &View,
+        care: Care,
+    ) -> Vec<(&Gap, Vec<Way>)> {
+        let all = self.gaps.iter().filter(|gap| gap.is_seen_from(origin));
+        let all: Vec<&Gap> = all.collect();
+        if all.is_empty() {
+            return Vec::new();
+        }
+        let chance = |square: &&Square| {
+            let ray = Ray {
+                origin,
+                direction: square.arrival.toward.as_dvec3(),
+            };
+            square.kind != Kind::Dark && !all.iter().any(|gap| gap.is_on(&ray))
+        };
+        let bright = view.squares.iter().filter(chance);
+        let bright: f64 = bright.map(|square| f64::from(square.arrival.share)).sum();
+        // A room that is lit otherwise has light of its own.
+        let is_lit = |square: &Square| match square.arrival.source {
+            Source::Patch(patch, _) => self.by_gaps.get(patch as usize) != Some(&true),
+            _ => false,
+        };
+        let dim = match view.squares.iter().any(is_lit) {
+            true => DIM * map.whole(),
+            false => 0.0,
+        };
+        let least = 0.05 * care.outline * (bright + dim);
+        let rays = view.squares.len();
+        let mut used: Vec<(&Gap, f64)> = all
+            .iter()
+            .map(|gap| (*gap, gap.most(origin, map)))
+            .collect();
+        used.retain(|(_, most)| *most > least);
+        used.sort_by(|a, b| b.1.total_cmp(&a.1));
+        used.truncate((rays / FEWEST).max(1));
+        let count = (rays / 2 / used.len().max(1)).max(FEWEST);
+        // Of two gaps one behind the other the smaller one says more of what is seen.
+        let ways = used
+            .into_iter()
+            .rev()
+            .map(|(gap, _)| (gap, gap.ways(origin, map, count)));
+        let is_small = |(_, ways): &(&Gap, Vec<Way>)| {
+            let weight: f64 = ways.iter().map(|way| way.weight).sum();
+            let most = ways.iter().map(|way| way.weight).fold(0.0, f64::max);
+            weight > least && most < map.whole() / rays as f64
+        };
+        let mut gaps: Vec<(&Gap, Vec<Way>)> = ways.filter(is_small).collect();
+        // A way through two gaps, one behind the other, is one.
+        for behind in 1..gaps.len() {
+            let (before, rest) = gaps.split_at_mut(behind);
+            let is_other = |way: &Way| !is_through(before, origin, way.toward);
+            rest[0].1.retain(is_other);
+        }
+        gaps
     }
 
     /// Places in the square where there are openings.
@@ -300,7 +416,7 @@ impl Transport {
         let looks: Vec<(DVec3, Look)> = (0..SIDE * SIDE)
             .map(|k| {
                 let (i, j) = (k % SIDE, k / SIDE);
-                let [x, y] = within_cell(0, i as u32, j as u32);
+                let [x, y] = within_cell(0, i as u32, j as u32, 0);
                 let at = |i: usize, x: f64| (i as f64 + x) / SIDE as f64;
                 let direction = map.toward(at(i, x), at(j, y));
                 (direction, self.look(&Ray { origin, direction }, WHOLE))

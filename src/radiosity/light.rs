@@ -12,6 +12,8 @@ use super::tiles::Tile;
 use super::transport::Transport;
 use crate::colour::luminance;
 use crate::conditions::Conditions;
+use crate::error::Result;
+use crate::task::Task;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -53,7 +55,15 @@ pub struct Account {
 impl Light {
     /// Finds it for the sun and the sky of `conditions`, over the transport of the same scene, until the unshot share of what
     /// surfaces received is below `unshot`.
-    pub fn new(transport: &Transport, conditions: &Conditions, unshot: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Stopped`] when the work was stopped.
+    pub fn new(
+        transport: &Transport,
+        conditions: &Conditions,
+        unshot: f64,
+        task: Task<'_>,
+    ) -> Result<Self> {
         let sky = conditions.sky.as_ref();
         let sky = sky.map_or(vec![DVec3::ZERO; transport.dome.len()], |sky| {
             transport.dome.radiances(sky)
@@ -69,9 +79,11 @@ impl Light {
             tiles: Vec::new(),
             account: Account::default(),
         };
-        let received: (Vec<DVec3>, Vec<Tiles>) = (0..transport.patches.all.len())
+        let pieces = task.part(0.0, 0.5).pieces(transport.patches.all.len());
+        let received: Result<Vec<(DVec3, Tiles)>> = (0..transport.patches.all.len())
             .into_par_iter()
             .map(|patch| {
+                pieces.begin()?;
                 let outside = transport.exchange.outside[patch].iter();
                 let sky: DVec3 = outside
                     .map(|(source, _, through)| through.as_dvec3() * light.radiance(*source))
@@ -80,15 +92,16 @@ impl Light {
                 let sent = (transport.patches.all[patch].albedo / PI).as_vec3();
                 let tiles = sun.tiles.into_iter();
                 let tiles = tiles.map(|(tile, off)| (tile, sent * off)).collect();
-                (PI * sky + sun.mean, tiles)
+                Ok((PI * sky + sun.mean, tiles))
             })
-            .unzip();
-        let (irradiance, tiles) = received;
-        let (exitance, account) = shoot(transport, &irradiance, unshot);
+            .collect();
+        let (irradiance, tiles): (Vec<DVec3>, Vec<Tiles>) = received?.into_iter().unzip();
+        let task = task.part(0.5, 1.0);
+        let (exitance, account) = shoot(transport, &irradiance, unshot, task)?;
         light.patches = exitance.into_iter().map(|m| m / PI).collect();
         light.tiles = tiles;
         light.account = account;
-        light
+        Ok(light)
     }
 
     /// The radiance of a source [cd/m2, RGB].
@@ -125,9 +138,10 @@ impl Light {
             .filter(|patch| exchange.sees(*patch) && !all.is_ground(*patch as u32));
         let surfaces = (0..all.all.len()).filter(|patch| !all.is_ground(*patch as u32));
         let (reached, surfaces) = (reached.count(), surfaces.count());
-        let openings = match transport.openings.all().len() {
-            0 => "no small openings".to_owned(),
-            count => format!("{count} points in openings"),
+        let openings = match (transport.openings.all().len(), transport.gaps.len()) {
+            (0, 0) => "no small openings".to_owned(),
+            (count, 0) => format!("{count} points in openings"),
+            (count, gaps) => format!("{count} points in openings and {gaps} small gaps in planes"),
         };
         let coarse = match all.coarse {
             true => ", fewer than the scene's shape asks for (radiosity.patches)",
@@ -195,7 +209,12 @@ fn on_open_ground(transport: &Transport, conditions: &Conditions, sky: &[DVec3])
 }
 
 /// What each patch sends in the end [lm/m2, RGB], for what it receives from outside.
-fn shoot(transport: &Transport, irradiance: &[DVec3], tolerance: f64) -> (Vec<DVec3>, Account) {
+fn shoot(
+    transport: &Transport,
+    irradiance: &[DVec3],
+    tolerance: f64,
+    task: Task<'_>,
+) -> Result<(Vec<DVec3>, Account)> {
     let patches = &transport.patches.all;
     let exchange = &transport.exchange;
     let mut account = Account::default();
@@ -223,7 +242,11 @@ fn shoot(transport: &Transport, irradiance: &[DVec3], tolerance: f64) -> (Vec<DV
             0.0
         }
     };
+    let unshot = |waiting: &[DVec3]| waiting.iter().copied().sum::<DVec3>().element_sum();
+    let all = unshot(&waiting);
     loop {
+        // It falls about as quickly all the time.
+        task.tell((unshot(&waiting) / all).ln() / tolerance.ln());
         let most = (0..patches.len()).map(|i| waits(i, &waiting, &exitance));
         let level = 0.5 * most.fold(0.0, f64::max);
         if level == 0.0 {
@@ -233,6 +256,7 @@ fn shoot(transport: &Transport, irradiance: &[DVec3], tolerance: f64) -> (Vec<DV
             if waits(from, &waiting, &exitance) < level {
                 continue;
             }
+            task.check()?;
             let flux = std::mem::take(&mut waiting[from]);
             account.shots += 1;
             account.escaped += flux * exchange.escapes[from];
@@ -252,5 +276,5 @@ fn shoot(transport: &Transport, irradiance: &[DVec3], tolerance: f64) -> (Vec<DV
         }
     }
     account.unshot = waiting.iter().copied().sum();
-    (exitance, account)
+    Ok((exitance, account))
 }

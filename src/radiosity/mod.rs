@@ -11,6 +11,7 @@ mod build;
 mod cells;
 mod dome;
 mod exchange;
+mod gaps;
 mod gather;
 mod lattice;
 mod light;

@@ -6,7 +6,9 @@ use super::planes::{Home, Surfaces, corners};
 use super::tiles::Tile;
 use crate::colour::Space;
 use crate::conditions::Conditions;
+use crate::error::Result;
 use crate::scene::{AlphaMode, Hit, Ray};
+use crate::task::Task;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -71,10 +73,10 @@ impl Spot {
 
 impl Patches {
     /// Divides all surfaces of a scene. A patch is at most `share` as large as what stands next to it, if `most` allows.
-    pub fn new(conditions: &Conditions, share: f64, most: usize) -> Self {
-        let surfaces = Surfaces::new(conditions, 0.5 * share, most / 2);
+    pub fn new(conditions: &Conditions, share: f64, most: usize, task: Task<'_>) -> Result<Self> {
+        let surfaces = Surfaces::new(conditions, 0.5 * share, most / 2, task.part(0.0, 0.4))?;
         let room = most.saturating_sub(surfaces.clusters.len()).max(most / 4);
-        let (mut faces, coarse) = faces(conditions, &surfaces, share, room);
+        let (mut faces, coarse) = faces(conditions, &surfaces, share, room, task.part(0.4, 0.8))?;
         let mut raw: Vec<(Vec<Piece>, f64)> = Vec::new();
         let mut ground = 0..0;
         let mut parts = Vec::new();
@@ -124,9 +126,12 @@ impl Patches {
             opacity[triangle as usize] = o.share;
         }
         let working = Space::Rec709.to_working();
-        let all = raw
+        let all: Result<Vec<Patch>> = raw
             .into_par_iter()
-            .map(|(pieces, area)| Patch::new(conditions, pieces, area, &opacity, working))
+            .map(|(pieces, area)| {
+                task.check()?;
+                Ok(Patch::new(conditions, pieces, area, &opacity, working))
+            })
             .collect();
         let mesh = &conditions.scene.mesh;
         let facet = |triangle: u32| {
@@ -150,18 +155,18 @@ impl Patches {
                 first_alike[vertex] = *alike.entry(key).or_insert((number, corner));
             }
         }
-        Patches {
+        Ok(Patches {
             first_alike,
             bent: bent.collect(),
             facets,
             homes: surfaces.homes,
             faces,
             of_cluster,
-            all,
+            all: all?,
             parts,
             ground,
             coarse,
-        }
+        })
     }
 
     /// The face of a patch, and the part of a cell that it is; `None` of clusters.
@@ -196,6 +201,12 @@ impl Patches {
     /// Whether a triangle's vertices have normals that are not its own.
     pub fn is_bent(&self, triangle: u32) -> bool {
         self.bent[triangle as usize]
+    }
+
+    /// One side of each plane.
+    pub fn sides(&self) -> impl Iterator<Item = &Face> {
+        let (planes, _) = self.faces.as_chunks::<2>();
+        planes.iter().map(|[side, _]| side)
     }
 
     /// Whether a patch is one of the ground.

@@ -6,8 +6,10 @@
 
 use super::arrival::{Map, spread};
 use crate::conditions::Conditions;
+use crate::error::Result;
 use crate::scene::Ray;
 use crate::scene::tree::Bound;
+use crate::task::Task;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -117,7 +119,7 @@ pub(super) fn corners(conditions: &Conditions, triangle: u32) -> [DVec3; 3] {
 impl Surfaces {
     /// Sorts the triangles. Clusters are about `share` as large as the connected thing that they are a part of, and larger
     /// where there would be more than `most`.
-    pub fn new(conditions: &Conditions, share: f64, most: usize) -> Self {
+    pub fn new(conditions: &Conditions, share: f64, most: usize, task: Task<'_>) -> Result<Self> {
         let geometry = &conditions.geometry;
         let mesh = &conditions.scene.mesh;
         let kept: Vec<u32> = geometry.casters().map(|(triangle, _)| triangle).collect();
@@ -190,7 +192,7 @@ impl Surfaces {
                 sizes[triangle as usize] = thing;
             }
         }
-        let clusters = clusters(conditions, &things, &small, share, most, &mut homes);
+        let clusters = clusters(conditions, &things, &small, share, most, &mut homes, task)?;
         // Planes that were left to clusters are none.
         let mut number = vec![u32::MAX; planes.len()];
         let mut kept: Vec<Plane> = Vec::new();
@@ -210,13 +212,13 @@ impl Surfaces {
             homes[*triangle as usize] = Home::Plane(number[at], front);
         }
         let planes = kept;
-        Surfaces {
+        Ok(Surfaces {
             planes,
             homes,
             clusters,
             sizes,
             bounds: geometry.in_order(),
-        }
+        })
     }
 
     /// Whether something whose size is below `size` may stand in a box.
@@ -251,14 +253,21 @@ fn clusters(
     share: f64,
     most: usize,
     homes: &mut [Home],
-) -> Vec<Vec<(u32, usize)>> {
+    task: Task<'_>,
+) -> Result<Vec<Vec<(u32, usize)>>> {
     // What lies open and what does not is not one patch: window reveals are far brighter than the wall beside them.
-    let open: Vec<[u8; 2]> = small
+    let pieces = task.pieces(small.len());
+    let open: Result<Vec<[u8; 2]>> = small
         .par_iter()
-        .map(|triangle| [false, true].map(|back| openness(conditions, *triangle, back)))
+        .map(|triangle| {
+            pieces.begin()?;
+            Ok([false, true].map(|back| openness(conditions, *triangle, back)))
+        })
         .collect();
+    let open = open?;
     let mut least = 1e-4 * conditions.geometry.extent();
     loop {
+        task.check()?;
         let mut numbers: HashMap<(i32, [i64; 3], i8, u64, u8), u32> = HashMap::new();
         let mut clusters: Vec<Vec<(u32, usize)>> = Vec::new();
         for (&triangle, open) in small.iter().zip(&open) {
@@ -286,7 +295,7 @@ fn clusters(
             homes[triangle as usize] = Home::Cluster(sides);
         }
         if clusters.len() <= most || least > conditions.geometry.extent() {
-            return clusters;
+            return Ok(clusters);
         }
         least *= 1.5;
     }

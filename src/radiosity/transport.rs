@@ -3,6 +3,7 @@
 use super::arrival::{Care, Source};
 use super::dome::Dome;
 use super::exchange::Exchange;
+use super::gaps::Gap;
 use super::openings::Openings;
 use super::patches::Patches;
 use super::points::Seen;
@@ -36,6 +37,9 @@ pub struct Transport {
     pub(super) patches: Patches,
     pub(super) exchange: Exchange,
     pub(super) openings: Openings,
+    pub(super) gaps: Vec<Gap>,
+    /// Which patches light reaches through small gaps alone; none of them, where there are no gaps.
+    pub(super) by_gaps: Vec<bool>,
     /// What points of lattices have seen.
     pub(super) seen: Seen,
     /// How much memory that takes [bytes].

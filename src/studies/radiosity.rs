@@ -152,7 +152,7 @@ pub fn truth(conditions: &Conditions, extra: &[(String, f64)]) -> Result<Truth> 
     let finer = TRUTH.iter().map(|(knob, v)| (knob.to_string(), *v));
     let finer: Vec<_> = finer.chain(extra.iter().cloned()).collect();
     let plan = plan(conditions, &Trial::Quality(Quality::High), &finer)?;
-    Ok(found(&Reference::new(&plan).render(&ANY, &|_| {})?.frame))
+    Ok(found(&Reference::new(&plan)?.render(&ANY, &|_| {})?.frame))
 }
 
 fn found(frame: &Frame) -> Truth {

@@ -197,7 +197,7 @@ pub fn truth(conditions: &Conditions) -> Result<Vec<Vec3>> {
         baseline: false,
     };
     let plan = plan(conditions, &trial, &[])?;
-    let rendered = Reference::new(&plan).render(&ANY, &|_| {})?;
+    let rendered = Reference::new(&plan)?.render(&ANY, &|_| {})?;
     Ok(inscatter(&rendered.frame))
 }
 

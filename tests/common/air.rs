@@ -54,6 +54,7 @@ pub fn air_light_after(
     let plan =
         Plan::with(conditions, &overrules, &effects_with(others)).expect("the plan is sound");
     let rendered = Reference::new(&plan)
+        .expect("it can be prepared")
         .render(&Limits::memory(1 << 30), &|_| {})
         .expect("the picture fits into memory");
     rendered

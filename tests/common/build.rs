@@ -65,6 +65,7 @@ pub fn render_at(conditions: &Conditions, quality: Quality, set: &[(&str, f64)])
     };
     let plan = Plan::new(conditions, &overrules).expect("the plan is sound");
     let frame = Reference::new(&plan)
+        .expect("it can be prepared")
         .render(&Limits::memory(1 << 30), &|_| {})
         .expect("the picture fits into memory")
         .frame;

@@ -40,7 +40,9 @@ pub fn on_gpu(plan: &Plan) -> Rendered {
 }
 
 pub fn by_reference(plan: &Plan) -> Rendered {
-    let rendered = Reference::new(plan).render(&Limits::default(), &|_| {});
+    let rendered = Reference::new(plan)
+        .expect("it can be prepared")
+        .render(&Limits::default(), &|_| {});
     rendered.expect("it fits into memory")
 }
 

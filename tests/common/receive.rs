@@ -60,9 +60,19 @@ pub fn received(conditions: &Conditions, backend: Wanted) -> Lux {
 
 /// What the points of conditions receive by some knobs.
 pub fn received_by(conditions: &Conditions, backend: Wanted, set: Settings) -> Lux {
+    received_at(QUALITY, conditions, backend, set)
+}
+
+/// The same at some quality.
+pub fn received_at(
+    quality: Quality,
+    conditions: &Conditions,
+    backend: Wanted,
+    set: Settings,
+) -> Lux {
     let set = set.iter().map(|(k, v)| (k.to_string(), *v)).collect();
     let overrules = Overrules {
-        quality: QUALITY,
+        quality,
         set,
         ..Overrules::default()
     };

@@ -77,7 +77,9 @@ pub fn by_gpu(conditions: &Conditions, method: Method, set: Settings) -> Frame {
 /// The picture by exact shadows.
 pub fn by_reference(conditions: &Conditions, set: Settings) -> Frame {
     let plan = plan(conditions, Method::Rectified, Quality::Preview, set);
-    let rendered = Reference::new(&plan).render(&Limits::memory(1 << 30), &|_| {});
+    let rendered = Reference::new(&plan)
+        .expect("it can be prepared")
+        .render(&Limits::memory(1 << 30), &|_| {});
     rendered.expect("the picture fits into memory").frame
 }
 

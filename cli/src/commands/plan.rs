@@ -30,7 +30,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
     let conditions = args.view.conditions()?;
     let plan = Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    let seconds = predict(&Reference::new(&plan));
+    let seconds = predict(&Reference::new(&plan)?);
     let in_seconds = |step: &StepTime| step.time.unwrap_or_default().as_secs_f64();
     let seconds_of = |step: &Step| {
         let name = step.effect.name;

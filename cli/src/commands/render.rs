@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let prepared = start.elapsed();
 
     let bar = tell::bar();
-    let mut rendered = backend.render(&plan, &limits, &|share| tell::share(&bar, share))?;
+    let mut rendered = backend.render(&plan, &limits, &|step| tell::step(&bar, step))?;
     bar.finish_and_clear();
 
     let writing = Instant::now();

@@ -101,8 +101,8 @@ impl Together for Meter<'_> {
             tell::plan(&plan, &self.backend.describe());
         }
         let bar = tell::bar();
-        let share = |share| tell::share(&bar, share);
-        let mut rendered = self.backend.render(&plan, &self.limits, &share)?;
+        let step = |step| tell::step(&bar, step);
+        let mut rendered = self.backend.render(&plan, &self.limits, &step)?;
         bar.finish_and_clear();
         let stages = work::stages(&self.backend, &rendered);
         let done = &mut self.done;

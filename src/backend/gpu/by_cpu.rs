@@ -56,7 +56,11 @@ impl Job<'_> {
                 chunk.name(effect.reads, [effect.writes, effect.alters]);
             }
             let start = Instant::now();
-            chunks.par_iter_mut().for_each(&host.batch);
+            chunks.par_iter_mut().try_for_each(|chunk| {
+                self.task.check()?;
+                (host.batch)(chunk);
+                Ok(())
+            })?;
             stage.on_cpu += start.elapsed();
             stage.runs += 1;
         }

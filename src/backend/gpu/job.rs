@@ -14,12 +14,13 @@ use super::tile::{Target, TileBuffers};
 use super::timer::Timer;
 use super::window;
 use crate::backend::film::{self, Film};
-use crate::backend::rendering::{Limits, Made, Progress, Rendered, StepTime, Traffic};
+use crate::backend::rendering::{Made, PICTURE, Rendered, StepTime, Traffic};
 use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
 use crate::error::Result;
 use crate::frame::NO_HIT;
 use crate::plan::{Plan, sample_positions};
 use crate::scene::{Projection, Ray};
+use crate::task::Task;
 use glam::{DVec2, UVec2, Vec3};
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -75,11 +76,12 @@ pub struct Job<'j> {
     pub made: Made,
     /// Before anything was prepared.
     before: Traffic,
+    pub task: Task<'j>,
 }
 
 impl<'j> Job<'j> {
     /// Prepares a plan on a device.
-    pub fn new(plan: &'j Plan<'j>, lent: Lent<'j>) -> Result<Self> {
+    pub fn new(plan: &'j Plan<'j>, lent: Lent<'j>, task: Task<'j>) -> Result<Self> {
         let Lent {
             device,
             pipelines,
@@ -89,6 +91,7 @@ impl<'j> Job<'j> {
             timer,
             counting,
         } = lent;
+        task.check()?;
         let before = device.traffic();
         let compiled = pipelines.compiled;
         store.begin();
@@ -112,7 +115,7 @@ impl<'j> Job<'j> {
             pipelines,
             scene,
             store,
-            kept,
+            kept: &kept.keeper(task),
             counting,
             fields: &fields,
             numbers: &numbers,
@@ -172,16 +175,12 @@ impl<'j> Job<'j> {
             on_cpu: None,
             made,
             before,
+            task: task.stage(PICTURE),
         })
     }
 
-    /// Renders the whole picture; what is to stay on the device grows there.
-    pub fn render(
-        mut self,
-        limits: &Limits,
-        progress: Progress,
-        growing: &mut Growing,
-    ) -> Result<Rendered> {
+    /// Renders the whole picture, of at most `memory` bytes; what is to stay on the device grows there.
+    pub fn render(mut self, memory: u64, growing: &mut Growing) -> Result<Rendered> {
         let start = Instant::now();
         let view = &self.plan.conditions.view;
         let size = UVec2::from(view.size);
@@ -190,11 +189,11 @@ impl<'j> Job<'j> {
                 film::fits(
                     view.size,
                     16 * u64::from(size.x) * u64::from(size.y),
-                    limits.memory,
+                    memory,
                 )?;
                 None
             }
-            false => Some(Film::new(view.size, &self.written, limits.memory)?),
+            false => Some(Film::new(view.size, &self.written, memory)?),
         };
         let offsets = sample_positions(view.samples);
         let middle = DVec2::splat(0.5);
@@ -211,17 +210,17 @@ impl<'j> Job<'j> {
                 columns.map(move |x| UVec2::new(x, y))
             })
             .collect();
-        let work = (corners.len() * offsets.len()) as f64;
+        let count = (corners.len() * offsets.len()) as f64;
         let mut done = 0.0;
         let mut filled = false;
         for corner in corners {
             let extent = self.tile.min(size - corner);
             for (index, offset) in offsets.iter().enumerate() {
-                limits.check()?;
+                self.task.check()?;
                 self.sample = index as u32;
                 let rays = self.begin_tile(corner, extent, *offset);
                 if !filled {
-                    self.fill(limits)?;
+                    self.fill()?;
                     filled = true;
                 }
                 self.run_tile(corner, extent, &rays)?;
@@ -239,7 +238,7 @@ impl<'j> Job<'j> {
                     }
                 }
                 done += 1.0;
-                progress(done / work);
+                self.task.tell(done / count);
             }
         }
         let times = self.timer.take(self.device)?;
@@ -351,7 +350,7 @@ impl<'j> Job<'j> {
     }
 
     /// Makes what is kept and not there.
-    fn fill(&mut self, limits: &Limits) -> Result<()> {
+    fn fill(&mut self) -> Result<()> {
         let fillings = std::mem::take(&mut self.fillings);
         // What passes make together is made together: adding to what is still good would spoil it.
         loop {
@@ -375,7 +374,7 @@ impl<'j> Job<'j> {
             .filter(|filling| filling.is_needed(self.store))
             .collect();
         for filling in &needed {
-            limits.check()?;
+            self.task.check()?;
             match &filling.until {
                 None => self.turn(filling)?,
                 Some((until, settings)) => {
@@ -391,7 +390,7 @@ impl<'j> Job<'j> {
                             self.turn(filling)?;
                             turns += 1;
                         }
-                        limits.check()?;
+                        self.task.check()?;
                         let found = self.read_product(filling.effect.name, until.condition.name)?;
                         if (until.holds)(&found, &settings) {
                             break;

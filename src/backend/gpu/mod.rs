@@ -42,12 +42,13 @@ pub use device::{Choice, Device};
 pub use on_device::OnDevice;
 pub use source::shader_text;
 
-use super::rendering::{Limits, Progress, Rendered};
+use super::rendering::{Limits, Rendered};
 use crate::effect::Kept;
 use crate::error::{Error, Result};
 use crate::plan::Plan;
 use crate::sky::Sky;
 use crate::sky::map::Map;
+use crate::task::Progress;
 use glam::DVec3;
 use job::{Job, Lent};
 use pipeline::{BUFFERS_COUNTING, Pipelines};
@@ -225,7 +226,8 @@ impl Gpu {
             timer,
             counting,
         };
-        let mut rendered = Job::new(plan, lent)?.render(limits, progress, growing)?;
+        let mut rendered =
+            Job::new(plan, lent, limits.task(progress))?.render(limits.memory, growing)?;
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
         rendered.notes = self.kept.take_notes();

@@ -9,8 +9,8 @@ use super::source::{knob_bytes, knobs};
 use super::store::Store;
 use super::tile::Target;
 use crate::effect::{
-    Batch, Effect, Extent, Field, Kept, Life, Loop, MapSettings, Over, Pass, RasterView, Resource,
-    Settings, When,
+    Batch, Effect, Extent, Field, Keeper, Life, Loop, MapSettings, Over, Pass, RasterView,
+    Resource, Settings, When,
 };
 use crate::error::{Error, Result};
 use crate::plan::Plan;
@@ -76,7 +76,7 @@ pub struct Maker<'m, 'p> {
     pub pipelines: &'m mut Pipelines,
     pub scene: &'m mut SceneOnDevice,
     pub store: &'m mut Store,
-    pub kept: &'m Kept,
+    pub kept: &'m Keeper<'m>,
     pub counting: bool,
     pub fields: &'m [Target],
     pub numbers: &'m Texture,
@@ -98,7 +98,7 @@ impl<'p> Maker<'_, 'p> {
             };
             let effect = step.effect;
             if step.is_by_reference(plan.conditions) {
-                self.host(effect, &settings);
+                self.host(effect, &settings)?;
                 continue;
             }
             for pass in effect.passes {
@@ -108,7 +108,7 @@ impl<'p> Maker<'_, 'p> {
         Ok(())
     }
 
-    fn host(&mut self, effect: &'static Effect, settings: &Settings) {
+    fn host(&mut self, effect: &'static Effect, settings: &Settings) -> Result<()> {
         let changed: Vec<Field> = effect.writes.iter().chain(effect.alters).copied().collect();
         let touched = Touched::by_host(effect);
         let number = self.stages.len();
@@ -126,7 +126,7 @@ impl<'p> Maker<'_, 'p> {
             .into_iter()
             .filter(|field| self.field(*field).is_some())
             .collect();
-        let batch = (effect.reference)(self.plan.conditions, settings, self.kept);
+        let batch = (effect.reference)(self.plan.conditions, settings, self.kept)?;
         self.push(
             effect,
             "reference",
@@ -136,6 +136,7 @@ impl<'p> Maker<'_, 'p> {
                 bring,
             }),
         );
+        Ok(())
     }
 
     fn field(&self, field: Field) -> Option<&Buffer> {
