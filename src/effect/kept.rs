@@ -2,6 +2,7 @@
 
 use super::settings::Settings;
 use crate::conditions::{Conditions, Input, Snapshot};
+use crate::radiosity::Drawer;
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -38,9 +39,24 @@ pub struct Kept {
     entries: Mutex<Vec<Entry>>,
     made: Mutex<Vec<&'static str>>,
     notes: Mutex<Vec<String>>,
+    /// What draws hemicubes for them.
+    drawer: Option<Arc<dyn Drawer>>,
 }
 
 impl Kept {
+    /// Nothing yet, and something that draws hemicubes.
+    pub fn with_drawer(drawer: Arc<dyn Drawer>) -> Self {
+        Kept {
+            drawer: Some(drawer),
+            ..Kept::default()
+        }
+    }
+
+    /// What draws hemicubes faster than the CPU casts rays, if there is such a thing.
+    pub fn drawer(&self) -> Option<&dyn Drawer> {
+        self.drawer.as_deref()
+    }
+
     /// The kept result, if nothing that it was made of has changed; else `make` makes it anew, and it takes the old one's place.
     pub fn get<T: Any + Send + Sync>(
         &self,

@@ -3,6 +3,7 @@
 use super::arrival::{Care, Map, Row, Source, merge, spread};
 use super::dome::Dome;
 use super::exchange::Exchange;
+use super::hemicube::Drawer;
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
@@ -48,8 +49,9 @@ fn outside(row: &Row) -> f32 {
 }
 
 impl Transport {
-    /// Prepares it for a scene: of the conditions, geometry, materials, media and ground count.
-    pub fn new(conditions: &Conditions, detail: Detail) -> Self {
+    /// Prepares it for a scene: of the conditions, geometry, materials, media and ground count. Hemicubes, if they are wanted, are
+    /// drawn by `drawer`; without one, and where that fails, a ray of the CPU is cast for each texel.
+    pub fn new(conditions: &Conditions, detail: Detail, drawer: Option<&dyn Drawer>) -> Self {
         let mut transport = Transport {
             conditions: conditions.clone(),
             dome: Dome::new(match detail.sky {
@@ -62,6 +64,7 @@ impl Transport {
             seen: Seen::new(),
             seen_bytes: AtomicU64::new(0),
             detail,
+            notes: Vec::new(),
         };
         let all = vec![true; transport.patches.all.len()];
         let few = transport.rows(&all, FEW);
@@ -70,10 +73,15 @@ impl Transport {
         let count = lit.iter().filter(|lit| **lit).count().max(1);
         let rays = (detail.patch_rays / count).clamp(FEW, MANY);
         let spots = transport.spots(&few, &lit, detail.patch_spots);
-        let mut rows = match rays {
+        let mut rows = match (detail.hemicube, rays) {
             // The same rays would meet the same.
-            FEW => few,
-            rays => transport.rows(&lit, rays),
+            (0, FEW) => few,
+            (0, rays) => transport.rows(&lit, rays),
+            _ => {
+                let (rows, notes) = transport.hemicube_rows(&lit, drawer);
+                transport.notes = notes;
+                rows
+            }
         };
         rows.par_iter_mut()
             .enumerate()

@@ -12,6 +12,7 @@ mod cells;
 mod dome;
 mod exchange;
 mod gather;
+mod hemicube;
 mod lattice;
 mod light;
 mod openings;
@@ -25,6 +26,7 @@ mod transport;
 
 pub use arrival::{Arrival, Care, Source};
 pub use dome::Dome;
+pub use hemicube::{Drawer, Eye, FACES, Hemicube, Target};
 pub use lattice::{Lattice, Received};
 pub use light::{Account, Light};
 pub use tiles::Tile;
