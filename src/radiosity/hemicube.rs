@@ -5,8 +5,8 @@
 //! light through a texel sees what any ray sees, and the air takes its part on the way.
 //!
 //! Which triangle stands in each texel is found by the tree of triangles, or by a [`Drawer`]: a graphics device that draws them all.
-//! A rasteriser rounds corners to parts of a texel. So a texel that stands beside another triangle's is asked in f64 which of these
-//! its ray meets, and both ways give the same rows; walls that meet have no gaps.
+//! A rasteriser rounds corners to parts of a texel. So where triangles meet it is asked in f64 which of them a texel's ray meets, and
+//! at silhouettes the ray is cast: both ways give the same rows, and walls that meet have no gaps.
 
 use super::arrival::{Row, Source, spread};
 use super::planes::{Home, corners};
@@ -157,27 +157,38 @@ struct Cast {
     open: Vec<bool>,
 }
 
+/// Planes that a ray meets no farther apart than this share of the way are a crease, which hides nothing [1].
+const CREASE: f64 = 0.01;
+
 impl Cast {
-    /// What the ray through a texel's middle meets, if that can be told from the triangles drawn there and beside it.
+    /// What the ray through a texel's middle meets, if that can be told from the triangles drawn there and beside it: from one, or
+    /// from some that meet there. Behind a silhouette, or through a hole, anything may stand.
     fn met(&self, hemicube: &Hemicube, drawn: &[u32], texel: usize, ray: &Ray) -> Met {
-        let mut asked = [0; 9];
-        let mut count = 0;
+        let own = drawn[texel];
+        if hemicube.around(texel).all(|beside| drawn[beside] == own) && own == 0 {
+            return Met::Known(None);
+        }
+        let (mut asked, mut count) = ([0; 9], 0);
+        let [mut near, mut far] = [f64::INFINITY, 0.0f64];
         let mut first: Option<Hit> = None;
-        for beside in hemicube.around(texel) {
-            let number = drawn[beside];
-            let Some(at) = (number as usize).checked_sub(1) else {
-                continue;
-            };
+        for number in hemicube.around(texel).map(|beside| drawn[beside]) {
             if asked[..count].contains(&number) {
                 continue;
             }
             asked[count] = number;
             count += 1;
-            if self.open[at] {
+            let at = (number as usize).wrapping_sub(1);
+            let Some(Target { corners, .. }) = self.targets.get(at) else {
+                return Met::Unknown;
+            };
+            let [a, b, c] = corners.map(|p| p - ray.origin);
+            let normal = (b - a).cross(c - a);
+            let distance = normal.dot(a) / normal.dot(ray.direction);
+            (near, far) = (near.min(distance), far.max(distance));
+            if self.open[at] || distance.is_nan() || near <= 0.0 || far - near > CREASE * near {
                 return Met::Unknown;
             }
-            let hit = intersect(&self.targets[at].corners, ray.origin, ray.direction);
-            let hit = hit.filter(|hit| hit.distance > 0.0).map(|hit| Hit {
+            let hit = intersect(corners, ray.origin, ray.direction).map(|hit| Hit {
                 triangle: self.numbers[at],
                 ..hit
             });
@@ -187,12 +198,7 @@ impl Cast {
                 _ => first,
             };
         }
-        match (first, drawn[texel]) {
-            (Some(hit), _) => Met::Known(Some(hit)),
-            (None, 0) => Met::Known(None),
-            // The ray slips by all of them.
-            (None, _) => Met::Unknown,
-        }
+        first.map_or(Met::Unknown, |hit| Met::Known(Some(hit)))
     }
 }
 
