@@ -411,7 +411,7 @@ fn account(off: &mut Deviations, name: &str, conditions: &Conditions, transport:
         let row = transport.form_factors(i).into_iter();
         let whole: f64 = row.map(|(_, share, _)| f64::from(share)).sum();
         assert!(
-            whole == 0.0 || (whole - 1.0).abs() < 5e-3,
+            whole == 0.0 || (whole - 1.0).abs() < 2e-3,
             "{name}: {i} {whole}"
         );
     }
