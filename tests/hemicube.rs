@@ -11,8 +11,9 @@ use std::sync::{Arc, OnceLock};
 use tyndall::backend::Wanted;
 use tyndall::backend::gpu::{Choice, Device, Hemicubes};
 use tyndall::conditions::{Conditions, Receiver};
+use tyndall::error::{Error, Result};
 use tyndall::medium::{Phase, Shape};
-use tyndall::radiosity::{Care, Detail, Dome, Drawer, Light, Source, Tile, Transport};
+use tyndall::radiosity::{Care, Detail, Dome, Drawer, Eye, Light, Source, Target, Tile, Transport};
 use tyndall::scene::{AlphaMode, Material, Scene, Texture, Wrap};
 use tyndall::sky::patches::Subdivision;
 use tyndall::studies::scenes::{Corners, cuboid, fog};
@@ -386,14 +387,13 @@ fn no_light_leaks_where_walls_meet() {
             };
             let count = (0..patches.len()).filter(|i| is_inside(*i)).count();
             assert!(count > 60, "{count}");
-            for i in 0..patches.len() {
+            for (i, (_, place, normal)) in patches.iter().enumerate() {
                 let source = Source::Patch(i as u32, Tile::WHOLE);
                 if is_inside(i) {
                     assert_eq!(light.radiance(source), DVec3::ZERO, "{side}");
                 }
                 for (source, share, _) in transport.form_factors(i) {
                     let enters = matches!(source, Source::Patch(j, _) if is_inside(j as usize));
-                    let (_, place, normal) = patches[i];
                     assert_eq!(
                         is_inside(i),
                         enters,
@@ -497,34 +497,73 @@ fn a_sphere_with_a_port_returns_one_over_one_less_its_albedo() {
     for albedo in [0.2, 0.5, 0.9, 0.999] {
         let scene = sky(surfaces(&grey(faces.clone(), albedo)), "uniform:5000");
         let conditions = seen(scene);
-        {
-            let transport = by_cpu(&conditions, detail(24, 0.25));
-            account(
-                &mut off,
-                &format!("albedo {albedo}"),
-                &conditions,
-                &transport,
-            );
-            let patches: Vec<_> = transport.patches().collect();
-            let light = Light::new(&transport, &conditions, 1e-4);
-            // Inside: normals to the middle.
-            let inside = |(_, p, n): &(f64, DVec3, DVec3)| n.dot(*p) < 0.0;
-            let (mut area, mut sent, mut out) = (0.0, 0.0, 0.0);
-            for (i, patch) in patches.iter().enumerate().filter(|(_, p)| inside(p)) {
-                let radiance = light.radiance(Source::Patch(i as u32, Tile::WHOLE)).y;
-                area += patch.0;
-                sent += patch.0 * PI * radiance / albedo;
-                let row = transport.form_factors(i).into_iter();
-                let sky = row.filter(|(source, ..)| matches!(source, Source::Sky(_)));
-                out += patch.0 * sky.map(|(_, share, _)| f64::from(share)).sum::<f64>();
-            }
-            let f = out / area;
-            off.near("the port's share", &[f], &[0.5 * (1.0 - edge)], 0.02);
-            let truth = 5000.0 * PI * f / (1.0 - albedo * (1.0 - f));
-            off.near(&format!("albedo {albedo}"), &[sent / area], &[truth], 0.005);
+        let transport = by_cpu(&conditions, detail(24, 0.25));
+        account(
+            &mut off,
+            &format!("albedo {albedo}"),
+            &conditions,
+            &transport,
+        );
+        let patches: Vec<_> = transport.patches().collect();
+        let light = Light::new(&transport, &conditions, 1e-4);
+        // Inside: normals to the middle.
+        let inside = |(_, p, n): &(f64, DVec3, DVec3)| n.dot(*p) < 0.0;
+        let (mut area, mut sent, mut out) = (0.0, 0.0, 0.0);
+        for (i, patch) in patches.iter().enumerate().filter(|(_, p)| inside(p)) {
+            let radiance = light.radiance(Source::Patch(i as u32, Tile::WHOLE)).y;
+            area += patch.0;
+            sent += patch.0 * PI * radiance / albedo;
+            let row = transport.form_factors(i).into_iter();
+            let sky = row.filter(|(source, ..)| matches!(source, Source::Sky(_)));
+            out += patch.0 * sky.map(|(_, share, _)| f64::from(share)).sum::<f64>();
         }
+        let f = out / area;
+        off.near("the port's share", &[f], &[0.5 * (1.0 - edge)], 0.02);
+        let truth = 5000.0 * PI * f / (1.0 - albedo * (1.0 - f));
+        off.near(&format!("albedo {albedo}"), &[sent / area], &[truth], 0.005);
     }
     off.end();
+}
+
+/// A device that is lost.
+struct Lost;
+
+impl Drawer for Lost {
+    fn draw(
+        &self,
+        _: &[Target],
+        _: &[Eye],
+        _: usize,
+        _: &mut dyn FnMut(&[u32]) -> Result<()>,
+    ) -> Result<()> {
+        Err(Error::failed("the device was lost", "try again"))
+    }
+}
+
+#[test]
+fn what_is_not_as_it_was_asked_for_is_said() {
+    let conditions = seen(outside(surfaces(&study())));
+    // What a device does not draw rays find.
+    let detail = detail(8, 0.5);
+    let transport = Transport::new(&conditions, detail, Some(&Lost));
+    let [note] = transport.notes() else {
+        panic!("{:?}", transport.notes());
+    };
+    assert!(note.contains("the device was lost"), "{note}");
+    assert_eq!(apart(&transport, &by_cpu(&conditions, detail)), [0.0; 2]);
+    // Rows have bounded memory: the 36 865 patches of a fine sky may all be seen.
+    let greedy = Detail {
+        sky: 16,
+        hemicube: 1024,
+        ..detail
+    };
+    let transport = by_cpu(&conditions, greedy);
+    let [note] = transport.notes() else {
+        panic!("{:?}", transport.notes());
+    };
+    assert!(note.contains("not 1024"), "{note}");
+    let rows = (0..transport.patches().count()).map(|i| transport.form_factors(i).len());
+    assert!(rows.sum::<usize>() <= 40_000_000);
 }
 
 #[test]
