@@ -8,6 +8,7 @@ use common::rooms::{Opening, Shell, panel, plan};
 use glam::{DVec2, DVec3, dvec3};
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 use tyndall::backend::Wanted;
 use tyndall::backend::gpu::{Choice, Device, Hemicubes};
 use tyndall::conditions::{Conditions, Receiver};
@@ -163,17 +164,10 @@ fn rectangles_send_each_other_what_closed_forms_say() {
         );
         let conditions = seen(scene);
         let upward = |_: DVec3, n: DVec3| n.dot(DVec3::Y) > 0.9;
-        for (side, allowed) in [(8, 0.08), (32, 0.02), (128, 0.006)] {
+        for (side, allowed) in [(8, 0.03), (32, 0.005), (128, 0.001)] {
             let found = by_cpu(&conditions, detail(side, 0.1));
-            let sent = share(
-                &found,
-                |p, n| upward(p, n) && p.y < 0.5,
-                |_, n| n.dot(normal) > 0.9,
-            );
-            eprintln!(
-                "{name}, {side}: {sent:.6}, exact {exact}, {} patches",
-                found.patches().count()
-            );
+            let low = |p: DVec3, n: DVec3| upward(p, n) && p.y < 0.5;
+            let sent = share(&found, low, |_, n| n.dot(normal) > 0.9);
             off.near(&format!("{name}, {side}"), &[sent], &[exact], allowed);
         }
         // Where patches are coarse their middles speak for too much; several points of each do not.
@@ -181,14 +175,14 @@ fn rectangles_send_each_other_what_closed_forms_say() {
             hemicube_spots: 16,
             ..detail(64, 0.5)
         };
-        for (what, detail) in [("middles", detail(64, 0.5)), ("16 spots", spots)] {
+        for (what, detail, allowed) in [
+            ("coarse, in the middle", detail(64, 0.5), 0.06),
+            ("coarse, 16 spots", spots, 0.015),
+        ] {
             let found = by_cpu(&conditions, detail);
-            let sent = share(
-                &found,
-                |p, n| upward(p, n) && p.y < 0.5,
-                |_, n| n.dot(normal) > 0.9,
-            );
-            eprintln!("{name}, coarse patches, {what}: {sent:.6}");
+            let low = |p: DVec3, n: DVec3| upward(p, n) && p.y < 0.5;
+            let sent = share(&found, low, |_, n| n.dot(normal) > 0.9);
+            off.near(&format!("{name}, {what}"), &[sent], &[exact], allowed);
         }
     }
     off.end();
@@ -521,6 +515,68 @@ fn a_sphere_with_a_port_returns_one_over_one_less_its_albedo() {
         off.near("the port's share", &[f], &[0.5 * (1.0 - edge)], 0.02);
         let truth = 5000.0 * PI * f / (1.0 - albedo * (1.0 - f));
         off.near(&format!("albedo {albedo}"), &[sent / area], &[truth], 0.005);
+    }
+    off.end();
+}
+
+/// How bright the surfaces in the study are by hemicubes and by rays, against many rays; with the time that each takes to find who sees
+/// whom.
+#[test]
+fn hemicubes_and_rays_light_a_room_alike() {
+    let gpu = common::gpu("hemicubes_and_rays_light_a_room_alike");
+    let mut off = Deviations::default();
+    let conditions = seen(outside(surfaces(&study())));
+    let rays = |patch_rays: usize| Detail {
+        patch_rays,
+        ..detail(0, 0.25)
+    };
+    let lit = |detail: Detail, drawer: Option<&dyn Drawer>| {
+        let start = Instant::now();
+        let transport = Transport::new(&conditions, detail, drawer);
+        let time = start.elapsed();
+        let light = Light::new(&transport, &conditions, 1e-5);
+        let inside = |p: DVec3, n: DVec3| {
+            let to_middle = dvec3(2.0, 1.5, -3.0) - p;
+            let size = dvec3(2.0, 1.5, 3.0);
+            (to_middle.abs() - size).max_element() < 1e-6 && n.dot(to_middle) > 0.0
+        };
+        let patches = transport.patches().enumerate();
+        let patches = patches.filter(|(_, (_, p, n))| inside(*p, *n));
+        let radiance = |i| light.radiance(Source::Patch(i as u32, Tile::WHOLE)).y;
+        let values: Vec<[f64; 2]> = patches.map(|(i, (area, ..))| [area, radiance(i)]).collect();
+        (values, time)
+    };
+    let (truth, time) = lit(rays(100_000_000), None);
+    eprintln!("many rays: {} patches in the room, {time:.1?}", truth.len());
+    let one = |hemicube| detail(hemicube, 0.25);
+    let spots = |hemicube, hemicube_spots| Detail {
+        hemicube_spots,
+        ..one(hemicube)
+    };
+    let trials = [
+        ("rays, 52 a patch", rays(100_000), 0.2),
+        ("rays, 520 a patch", rays(1_000_000), 0.06),
+        ("hemicubes of 8", one(8), 0.1),
+        ("hemicubes of 16", one(16), 0.04),
+        ("hemicubes of 32", one(32), 0.03),
+        ("hemicubes of 64", one(64), 0.025),
+        ("hemicubes of 16, 4 spots", spots(16, 4), 0.05),
+    ];
+    for (name, detail, allowed) in trials {
+        let mut times = Vec::new();
+        let mut ways: Vec<Option<&dyn Drawer>> = vec![None];
+        ways.extend(gpu.then(|| Some(drawer() as &dyn Drawer)));
+        let mut error = 0.0;
+        for drawer in ways {
+            let (found, time) = lit(detail, drawer);
+            let pairs = found.iter().zip(&truth);
+            let square: f64 = pairs.map(|(f, t)| t[0] * (f[1] - t[1]).powi(2)).sum();
+            let whole: f64 = truth.iter().map(|[area, value]| area * value).sum();
+            let area: f64 = truth.iter().map(|[area, _]| area).sum();
+            error = (square * area).sqrt() / whole;
+            times.push(time);
+        }
+        off.note(&format!("{name} ({times:.2?})"), error, allowed);
     }
     off.end();
 }
