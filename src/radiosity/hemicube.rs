@@ -267,6 +267,16 @@ impl Transport {
             .flat_map(|&patch| (0..spots).map(move |spot| self.eye(patch, spot, spots)))
             .collect();
         let traced = |eye: &Eye| self.sum(&hemicube, eye, |_, _| Met::Unknown);
+        // More triangles than texels: most of what would be drawn fills none.
+        let triangles = self.conditions.geometry.triangle_count();
+        let is_fine = triangles > hemicube.texels.len();
+        if is_fine && drawer.is_some() {
+            notes.push(format!(
+                "hemicubes were not drawn, the CPU has cast a ray for each texel: {triangles} triangles are more than {} texels",
+                hemicube.texels.len()
+            ));
+        }
+        let drawer = drawer.filter(|_| !is_fine);
         let found = match drawer.map(|drawer| self.drawn(&hemicube, &eyes, drawer)) {
             Some(Ok(found)) => found,
             Some(Err(error)) => {
