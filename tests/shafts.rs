@@ -504,7 +504,7 @@ fn a_slow_sun_does_not_shimmer() {
                 }
                 let conditions = view.conditions([128, 96]).expect("sound");
                 let found = by_gpu(&conditions, Method::Rectified, &[]);
-                let truth = by_reference(&conditions, &[]);
+                let truth = by_reference(&conditions, &[("shafts.disc", 0.0)]);
                 (
                     layer(&found, Field::InscatterSun),
                     layer(&truth, Field::InscatterSun),

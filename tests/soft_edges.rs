@@ -305,7 +305,8 @@ fn floor_light(conditions: &Conditions, on_gpu: bool, set: &[(&str, f64)]) -> Ve
     let frame = match on_gpu {
         true => common::shafts::render(&plan).frame,
         false => {
-            let rendered = Reference::new(&plan).render(&Limits::memory(1 << 30), &|_| {});
+            let reference = Reference::new(&plan).expect("nothing stops it");
+            let rendered = reference.render(&Limits::memory(1 << 30), &|_| {});
             rendered.expect("it fits").frame
         }
     };

@@ -3,6 +3,7 @@
 use super::settings::Settings;
 use crate::conditions::{Conditions, Input, Snapshot};
 use crate::error::Result;
+use crate::radiosity::Drawer;
 use crate::task::Task;
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -40,6 +41,8 @@ pub struct Kept {
     entries: Mutex<Vec<Entry>>,
     made: Mutex<Vec<&'static str>>,
     notes: Mutex<Vec<String>>,
+    /// What draws hemicubes for them.
+    drawer: Option<Arc<dyn Drawer>>,
 }
 
 /// What is kept, as the effects of a plan get to it while they are prepared.
@@ -49,6 +52,11 @@ pub struct Keeper<'k> {
 }
 
 impl Keeper<'_> {
+    /// What draws hemicubes faster than the CPU casts rays, if there is such a thing.
+    pub fn drawer(&self) -> Option<&dyn Drawer> {
+        self.kept.drawer.as_deref()
+    }
+
     /// The kept result, if nothing that it was made of has changed; else `make` makes it anew, and it takes the old one's place. The
     /// work of making it is a stage of its own, named like the result.
     ///
@@ -142,6 +150,14 @@ impl Keeper<'_> {
 }
 
 impl Kept {
+    /// Nothing yet, and something that draws hemicubes.
+    pub fn with_drawer(drawer: Arc<dyn Drawer>) -> Self {
+        Kept {
+            drawer: Some(drawer),
+            ..Kept::default()
+        }
+    }
+
     /// Lends it to the effects of a plan, which are prepared as this task.
     pub fn keeper<'k>(&'k self, task: Task<'k>) -> Keeper<'k> {
         Keeper { kept: self, task }

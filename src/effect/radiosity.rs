@@ -59,6 +59,18 @@ pub const RADIOSITY: Effect = Effect {
             range: [16.0, 1e9],
         },
         Knob {
+            name: "hemicube",
+            meaning: "texels on a side of patches' hemicubes, an even number; 0 for rays",
+            values: [0.0; 4],
+            range: [0.0, 1024.0],
+        },
+        Knob {
+            name: "hemicube_spots",
+            meaning: "points of a patch on which a hemicube stands; 1 for its middle",
+            values: [1.0; 4],
+            range: [1.0, 256.0],
+        },
+        Knob {
             name: "patch_spots",
             meaning: "points of patches from which small openings are looked at",
             values: [0.0, 1.5e3, 1e4, 1.5e4],
@@ -115,6 +127,7 @@ pub const RADIOSITY: Effect = Effect {
         let (transport, light) = solution(conditions, settings, kept)?;
         if conditions.geometry.triangle_count() > 0 {
             kept.note(light.describe(&transport));
+            transport.notes().iter().for_each(|n| kept.note(n.clone()));
         }
         let lattice = kept.get(&LATTICE, conditions, settings, |_| {
             let [bend, depth] = ["bend", "depth"].map(|knob| settings.get(knob));
@@ -190,10 +203,12 @@ fn solution(
         patch: settings.get("patch"),
         patches: settings.get("patches") as usize,
         patch_rays: settings.get("patch_rays") as usize,
+        hemicube: settings.get("hemicube") as usize,
+        hemicube_spots: settings.get("hemicube_spots") as usize,
         patch_spots: settings.get("patch_spots") as usize,
     };
     let transport = kept.get(&TRANSPORT, conditions, settings, |task| {
-        Transport::new(conditions, detail, task)
+        Transport::new(conditions, detail, kept.drawer(), task)
     })?;
     let light = kept.get(&LIGHT, conditions, settings, |task| {
         Light::new(&transport, conditions, settings.get("unshot"), task)

@@ -4,6 +4,7 @@ use super::arrival::{Care, Map, Row, Source, merge, spread};
 use super::dome::Dome;
 use super::exchange::Exchange;
 use super::gaps::{Gap, gaps};
+use super::hemicube::Drawer;
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
@@ -54,11 +55,18 @@ fn outside(row: &Row) -> f32 {
 }
 
 impl Transport {
-    /// Prepares it for a scene: of the conditions, geometry, materials, media and ground count.
+    /// Prepares it for a scene: of the conditions, geometry, materials, media and ground count. Hemicubes, if they are wanted, are
+    /// drawn by `drawer`; without one, and where that fails, a ray of the CPU is cast for each texel. They are the published method:
+    /// gaps are not looked through beside them.
     ///
     /// # Errors
     /// [`crate::Error::Stopped`] when the work was stopped.
-    pub fn new(conditions: &Conditions, detail: Detail, task: Task<'_>) -> Result<Self> {
+    pub fn new(
+        conditions: &Conditions,
+        detail: Detail,
+        drawer: Option<&dyn Drawer>,
+        task: Task<'_>,
+    ) -> Result<Self> {
         let patches = Patches::new(
             conditions,
             detail.patch,
@@ -79,9 +87,13 @@ impl Transport {
             seen: Seen::new(),
             seen_bytes: AtomicU64::new(0),
             detail,
+            notes: Vec::new(),
         };
         let all = vec![true; transport.patches.all.len()];
-        let (gaps, through) = transport.find_gaps(task)?;
+        let (gaps, through) = match detail.hemicube {
+            0 => transport.find_gaps(task)?,
+            _ => (Vec::new(), Vec::new()),
+        };
         transport.gaps = gaps;
         let few = transport.rows(&all, &[], FEW, task.part(0.1, 0.2))?;
         let lit = Exchange::reached(&few, &through);
@@ -94,13 +106,18 @@ impl Transport {
         let count = lit.iter().filter(|lit| **lit).count().max(1);
         let rays = (detail.patch_rays / count).clamp(FEW, MANY);
         let spots = transport.spots(&few, &lit, detail.patch_spots);
-        let mut rows = match rays {
+        let mut rows = match (detail.hemicube, rays) {
             // The same rays would meet the same.
-            FEW if !transport.by_gaps.contains(&true) => few,
-            rays => {
+            (0, FEW) if !transport.by_gaps.contains(&true) => few,
+            (0, rays) => {
                 let patches = 0..few.len();
                 let worth: Vec<f64> = patches.map(|patch| transport.worth(patch)).collect();
                 transport.rows(&lit, &worth, rays, task.part(0.25, 0.6))?
+            }
+            _ => {
+                let (rows, notes) = transport.hemicube_rows(&lit, drawer, task.part(0.25, 0.6))?;
+                transport.notes = notes;
+                rows
             }
         };
         let pieces = task.part(0.6, 0.9).pieces(spots.iter().sum());

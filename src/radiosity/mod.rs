@@ -13,6 +13,7 @@ mod dome;
 mod exchange;
 mod gaps;
 mod gather;
+mod hemicube;
 mod lattice;
 mod light;
 mod openings;
@@ -26,6 +27,7 @@ mod transport;
 
 pub use arrival::{Arrival, Care, Source};
 pub use dome::Dome;
+pub use hemicube::{Drawer, Eye, FACES, Hemicube, Target};
 pub use lattice::{Lattice, Received};
 pub use light::{Account, Light};
 pub use tiles::Tile;

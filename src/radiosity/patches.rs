@@ -53,6 +53,27 @@ struct Piece {
     triangle: u32,
 }
 
+impl Piece {
+    fn is_area(&self) -> bool {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a) != DVec3::ZERO
+    }
+
+    /// The foot of a point on it, where that has one, else its middle.
+    fn nearly(&self, point: DVec3) -> DVec3 {
+        let [a, b, c] = self.corners;
+        let (e, f, p) = (b - a, c - a, point - a);
+        let normal = e.cross(f);
+        let square = normal.length_squared();
+        let v = p.cross(f).dot(normal) / square;
+        let w = e.cross(p).dot(normal) / square;
+        match v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+            true => a + v * e + w * f,
+            false => (a + b + c) / 3.0,
+        }
+    }
+}
+
 /// The cosine of the angle [8 degrees] up to which a vertex's normal is taken for its plane's.
 const FLAT: f64 = 0.99;
 
@@ -61,7 +82,8 @@ const FLAT: f64 = 0.99;
 pub(super) struct Spot {
     pub point: DVec3,
     pub normal: DVec3,
-    triangle: u32,
+    /// Its number in the scene; the ground's is [`GROUND_TRIANGLE`].
+    pub triangle: u32,
 }
 
 impl Spot {
@@ -292,6 +314,27 @@ impl Patch {
             normal: piece.normal,
             triangle: piece.triangle,
         }
+    }
+
+    /// The place on it that is about its middle: where what it is made of reaches the centre of area, that; else the middle of the
+    /// nearest piece.
+    pub fn middle(&self) -> Spot {
+        let (mut before, mut centre) = (0.0, DVec3::ZERO);
+        for (piece, until) in &self.pieces {
+            centre += (until - before) / 3.0 * piece.corners.iter().sum::<DVec3>();
+            before = *until;
+        }
+        centre /= before.max(f64::MIN_POSITIVE);
+        let spot = |piece: &Piece| Spot {
+            point: piece.nearly(centre),
+            normal: piece.normal,
+            triangle: piece.triangle,
+        };
+        let there = self.pieces.iter().filter(|(piece, _)| piece.is_area());
+        let spots = there.map(|(piece, _)| spot(piece));
+        let off = |spot: &Spot| spot.point.distance_squared(centre);
+        let nearest = spots.min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.unwrap_or_else(|| self.spot(&[0.5; 5]))
     }
 
     /// A ray that leaves it by the cosine law, from five numbers of 0 to 1.

@@ -7,6 +7,7 @@ use super::gaps::Gap;
 use super::openings::Openings;
 use super::patches::Patches;
 use super::points::Seen;
+use super::tiles::Tile;
 use crate::conditions::Conditions;
 use crate::scene::{Hit, Ray, opacity};
 use glam::{DVec3, Vec3};
@@ -25,6 +26,10 @@ pub struct Detail {
     pub patches: usize,
     /// Rays from all patches together; none sends fewer than 16.
     pub patch_rays: usize,
+    /// Texels on a side of the hemicubes by which patches see each other; 0: by rays.
+    pub hemicube: usize,
+    /// Points of each patch on which a hemicube stands; 1: its middle.
+    pub hemicube_spots: usize,
     /// Points on patches from where openings are looked at closely: of all patches that see the outside through small openings, the
     /// largest.
     pub patch_spots: usize,
@@ -45,6 +50,8 @@ pub struct Transport {
     /// How much memory that takes [bytes].
     pub(super) seen_bytes: AtomicU64,
     pub(super) detail: Detail,
+    /// What is to be said of how it was made.
+    pub(super) notes: Vec<String>,
 }
 
 /// The width of a ray for which it does not count where on a patch it ends [rad].
@@ -59,6 +66,32 @@ pub(super) struct Look {
 }
 
 impl Transport {
+    /// What a user may want to know of how it was made.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Area [m2], a place on it [m] and the normal there, of each patch.
+    pub fn patches(&self) -> impl Iterator<Item = (f64, DVec3, DVec3)> + '_ {
+        self.patches.all.iter().map(|patch| {
+            let spot = patch.middle();
+            (patch.area, spot.point, spot.normal)
+        })
+    }
+
+    /// Where the light that a patch sends goes: shares, which sum to 1, and what the air lets through of them [1, RGB]. Empty for a patch
+    /// that no light reaches.
+    pub fn form_factors(&self, patch: usize) -> Vec<(Source, f32, Vec3)> {
+        let others = self.exchange.to[patch].iter();
+        let others = others.map(|(to, share, through)| {
+            let to = Source::Patch(*to, Tile::WHOLE);
+            (to, *share, *through)
+        });
+        others
+            .chain(self.exchange.outside[patch].iter().copied())
+            .collect()
+    }
+
     /// How far from a surface rays begin [m]: above the rounding of positions.
     pub(super) fn near(&self, point: DVec3) -> f64 {
         let (low, high) = self.conditions.geometry.bounds();
@@ -97,7 +130,7 @@ impl Transport {
     }
 
     /// What a ray meets whose first surface is known.
-    fn look_at(&self, ray: &Ray, hit: Option<Hit>, width: f64) -> Look {
+    pub(super) fn look_at(&self, ray: &Ray, hit: Option<Hit>, width: f64) -> Look {
         let Conditions { air, ground, .. } = &self.conditions;
         let Ray { origin, direction } = *ray;
         let clear = air.media.is_empty();

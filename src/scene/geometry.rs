@@ -33,7 +33,7 @@ pub struct Hit {
 
 impl Hit {
     /// Whether it comes first; of two at one distance the triangle that the scene has first.
-    fn is_before(&self, other: &Hit) -> bool {
+    pub(crate) fn is_before(&self, other: &Hit) -> bool {
         self.distance < other.distance
             || self.distance == other.distance && self.triangle < other.triangle
     }
@@ -471,7 +471,7 @@ fn veils(
 
 /// Where a ray meets a triangle, from either side; `None` where it misses or runs in its plane.
 #[inline]
-pub(super) fn intersect(corners: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
+pub(crate) fn intersect(corners: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<Hit> {
     let [a, b, c] = corners.map(|p| p - origin);
     let u = direction.dot(c.cross(b));
     let v = direction.dot(a.cross(c));

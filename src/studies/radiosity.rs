@@ -1,8 +1,9 @@
 //! What the accuracy of light from sky and surfaces costs: the knobs of the effects that find it, one after the other, and the
 //! qualities, against a finer picture.
 //!
-//! Each knob is swept while all others stand as at [`OTHERS`], so that what changes of the error is its own. Times are those of these
-//! effects alone, medians of repeated frames, each of which starts afresh: what is kept for the next picture is made anew.
+//! Each knob is swept while all others stand as at [`OTHERS`], so that what changes of the error is its own. Times are those of
+//! pictures of these effects alone, medians of repeated frames, each of which starts afresh: what is kept for the next picture (who sees
+//! whom, by rays or by hemicubes) is made anew, and that is a part of them.
 
 use super::{ANY, median};
 use crate::accuracy::{self, LayerError};
@@ -14,7 +15,7 @@ use crate::effect::{ALL, Effect, Field};
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::plan::{Overrules, Plan, Quality};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What is measured: light that surfaces and the air receive from the sky and from surfaces.
 pub const LAYERS: [Field; 3] = [Field::Sky, Field::Indirect, Field::InscatterSky];
@@ -30,6 +31,7 @@ const SWEEPS: &[(&str, &str, &[f64])] = &[
     ("radiosity", "patch", &[0.5, 0.125, 0.0625]),
     ("radiosity", "patches", &[100.0, 1e3, 1e4]),
     ("radiosity", "patch_rays", &[1e4, 1e5, 1e6]),
+    ("radiosity", "hemicube", &[8.0, 16.0, 32.0, 64.0]),
     ("radiosity", "bend", &[0.2, 0.06, 0.02]),
     ("radiosity", "unshot", &[0.1, 1e-2, 1e-3]),
     ("air_sky", "spacing", &[0.4, 0.25, 0.16]),
@@ -67,10 +69,10 @@ pub enum Trial {
 pub struct Outcome {
     /// What was tried.
     pub trial: Trial,
-    /// Median time of the effects: on the reference summed over cores, else as [`crate::backend::StepTime`] has it.
+    /// Median time of the whole by the clock on the wall.
     pub time: Duration,
-    /// Median time of the picture by the clock on the wall.
-    pub elapsed: Duration,
+    /// Of that what comes before the first pixel: who sees whom, and how bright all patches are.
+    pub prepared: Duration,
     /// The errors of [`LAYERS`], in their order.
     pub layers: [LayerError; LAYERS.len()],
     /// The error of their sum.
@@ -179,14 +181,13 @@ pub fn measure(
     let runs = (0..frames.max(1))
         .map(|_| {
             backend.forget();
-            backend.render(&plan, &ANY, &|_| {})
+            let start = Instant::now();
+            let rendered = backend.render(&plan, &ANY, &|_| {})?;
+            Ok((start.elapsed(), rendered))
         })
-        .collect::<Result<Vec<Rendered>>>()?;
-    let time = |run: &Rendered| {
-        let ours = run.steps.iter().filter(|step| is_ours(step.effect));
-        ours.filter_map(|step| step.time).sum::<Duration>()
-    };
-    let found = found(&runs[0].frame);
+        .collect::<Result<Vec<(Duration, Rendered)>>>()?;
+    let prepared = |(whole, run): &(Duration, Rendered)| whole.saturating_sub(run.elapsed);
+    let found = found(&runs[0].1.frame);
     let error = |name: &'static str, of: &dyn Fn(&[f64; LAYERS.len()]) -> f64| {
         let pairs: Vec<[f64; 2]> = found
             .iter()
@@ -197,8 +198,8 @@ pub fn measure(
     };
     Ok(Outcome {
         trial,
-        time: median(runs.iter().map(time).collect()),
-        elapsed: median(runs.iter().map(|run| run.elapsed).collect()),
+        time: median(runs.iter().map(|(whole, _)| *whole).collect()),
+        prepared: median(runs.iter().map(prepared).collect()),
         layers: std::array::from_fn(|k| error(LAYERS[k].name(), &move |pixel| pixel[k])),
         all: error("all", &|pixel| pixel.iter().sum()),
     })

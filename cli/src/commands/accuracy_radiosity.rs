@@ -98,7 +98,7 @@ fn rows<'s>(study: &'s Study, backend: &'s str) -> impl Iterator<Item = Columns>
             ("knob", json!(o.trial.subject())),
             ("setting", json!(o.trial.setting())),
             ("ms", json!(milliseconds(o))),
-            ("picture_ms", json!(1e3 * o.elapsed.as_secs_f64())),
+            ("prepared_ms", json!(1e3 * o.prepared.as_secs_f64())),
         ]);
         for error in o.layers.iter().chain([&o.all]) {
             let name = error.layer;
@@ -116,8 +116,8 @@ fn table(out: &mut Out, studies: &[Study], backend: &str, frames: usize) -> Resu
         "{backend}; medians of {frames} frames that start afresh; relative RMSE against the reference with more rays"
     ))?;
     out.line(&format!(
-        "one knob at a time, the others as at `{}`; ms: of the effects that make these layers, on the reference summed over cores; \
-         T: on the front of the error of all layers by time",
+        "one knob at a time, the others as at `{}`; ms: of a picture of these layers by the clock on the wall, and of that what comes \
+         before the first pixel, who sees whom above all; T: on the front of the error of all layers by time",
         OTHERS.name()
     ))?;
     let layers: String = LAYERS.map(|field| format!("{:>14}", field.name())).concat();
@@ -126,17 +126,18 @@ fn table(out: &mut Out, studies: &[Study], backend: &str, frames: usize) -> Resu
         out.line("")?;
         out.line(&format!("{}, {w} x {h}", study.scene))?;
         out.line(&format!(
-            "{:<24}{:>12}{:>10}{layers}{:>14}{:>9}",
-            "knob", "setting", "ms", "all", "99 %"
+            "{:<24}{:>12}{:>10}{:>10}{layers}{:>14}{:>9}",
+            "knob", "setting", "ms", "before", "all", "99 %"
         ))?;
         for (o, on) in study.outcomes.iter().zip(&study.front) {
             let errors = o.layers.iter().chain([&o.all]);
             let errors: String = errors.map(relative_rmse).collect();
             out.line(&format!(
-                "{:<24}{:>12}{:>10.1}{errors}{:>9.4} {}",
+                "{:<24}{:>12}{:>10.1}{:>10.1}{errors}{:>9.4} {}",
                 o.trial.subject(),
                 o.trial.setting(),
                 milliseconds(o),
+                1e3 * o.prepared.as_secs_f64(),
                 o.all.percentile_99,
                 if *on { 'T' } else { ' ' },
             ))?;
@@ -172,7 +173,7 @@ fn plot(study: &Study, backend: &str) -> Plot {
         title: format!("Light from sky and surfaces: {}", study.scene),
         caption: format!("{w} x {h} pixels, {backend}"),
         x: Axis {
-            label: "median time of these effects".into(),
+            label: "median time of the picture".into(),
             unit: "ms".into(),
         },
         y: Axis {

@@ -14,13 +14,14 @@
 //! | `seen`, `window` | how far a picture's rays see; what lies within a rectangle along a direction |
 //! | `prepare`, `schedule`, `job`, `tile`, `view` | a plan made ready, in which order, and at work; the buffers of a tile, and its camera |
 //! | `draw`, `by_cpu`, `on_device` | one submit; what the CPU does of a tile; pictures that stay |
-//! | [`sky_map`] | maps of the whole sky |
+//! | [`sky_map`], `hemicube` | maps of the whole sky; what patches of surfaces see of each other |
 
 pub mod adapters;
 mod beams;
 mod by_cpu;
 pub mod device;
 mod draw;
+mod hemicube;
 mod job;
 mod maps;
 mod on_device;
@@ -39,6 +40,7 @@ mod view;
 mod window;
 
 pub use device::{Choice, Device};
+pub use hemicube::Hemicubes;
 pub use on_device::OnDevice;
 pub use source::shader_text;
 
@@ -53,12 +55,13 @@ use glam::DVec3;
 use job::{Job, Lent};
 use pipeline::{BUFFERS_COUNTING, Pipelines};
 use scene::SceneOnDevice;
+use std::sync::Arc;
 use store::Store;
 use timer::Timer;
 
 /// A device and all that lasts on it over plans.
 pub struct Gpu {
-    device: Device,
+    device: Arc<Device>,
     pipelines: Pipelines,
     scene: Option<SceneOnDevice>,
     store: Store,
@@ -73,11 +76,12 @@ pub struct Gpu {
 impl Gpu {
     /// Over an open device.
     pub fn new(device: Device) -> Self {
+        let device = Arc::new(device);
         Gpu {
             pipelines: Pipelines::new(&device),
             scene: None,
             store: Store::default(),
-            kept: Kept::default(),
+            kept: Kept::with_drawer(Arc::new(Hemicubes::new(device.clone()))),
             sky_maps: None,
             adder: None,
             timer: None,
