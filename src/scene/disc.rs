@@ -310,9 +310,7 @@ impl Disc {
                 let lines = outline
                     .lines
                     .map(|line| on_chord(&line, turn.across, chord.offset));
-                let run = lines
-                    .into_iter()
-                    .fold([-chord.half, chord.half], |run, line| cut(run, line));
+                let run = lines.into_iter().fold([-chord.half, chord.half], cut);
                 if run[0] >= run[1] {
                     continue;
                 }
