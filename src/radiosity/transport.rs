@@ -71,7 +71,7 @@ impl Transport {
         &self.notes
     }
 
-    /// Area [m2], a place on it [m] and the normal there, of each patch.
+    /// Area in square metres, a place on it [m] and the normal there, of each patch.
     pub fn patches(&self) -> impl Iterator<Item = (f64, DVec3, DVec3)> + '_ {
         self.patches.all.iter().map(|patch| {
             let spot = patch.middle();
