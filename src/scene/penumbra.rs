@@ -15,6 +15,7 @@
 
 use super::Ray;
 use super::disc::{Disc, Meets, Outline, cut};
+use super::edges::in_turn;
 use super::geometry::{Geometry, Node};
 use super::shade::{Run, Shade, gaps, holds, insert};
 use glam::{DVec2, DVec3, Vec3A};
@@ -109,7 +110,7 @@ struct Found {
 /// An edge that crosses the disc as seen from a run of the ray.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
-    /// As those of [`Found`].
+    /// As those of `Found`.
     line: [DVec3; 2],
     run: Run,
 }
@@ -255,43 +256,23 @@ impl Edges {
 
 impl Geometry {
     /// Of each kept triangle, for each edge by the corner opposite: the triangle on its other side, times 3, plus the number of that one's
-    /// corner opposite; [`NONE`] where there is none, or more than one.
+    /// corner opposite; `NONE` where there is none, or more than one.
     fn neighbours(&self) -> &[[u32; 3]] {
         self.neighbours.get_or_init(|| {
-            let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
-            let mixed = |p: DVec3| {
-                bits(p).into_iter().fold(0u64, |sum, bits| {
-                    let x = (sum ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-                    x ^ (x >> 29)
+            let next = in_turn(self.corners.as_flattened());
+            let of = |slot: usize| {
+                [0, 1, 2].map(|corner| {
+                    // The edge opposite a corner begins at the one behind it.
+                    let edge = 3 * slot + (corner + 1) % 3;
+                    let other = next[edge];
+                    let is_pair = other as usize != edge && next[other as usize] as usize == edge;
+                    match is_pair {
+                        true => other / 3 * 3 + (other % 3 + 2) % 3,
+                        false => NONE,
+                    }
                 })
             };
-            let ends = |edge: u32| {
-                let corners = &self.corners[edge as usize / 3];
-                let i = edge as usize % 3;
-                [corners[(i + 1) % 3], corners[(i + 2) % 3]]
-            };
-            let same = |a: u32, b: u32| {
-                let ([a, b], [c, d]) = (ends(a).map(bits), ends(b).map(bits));
-                a == c && b == d || a == d && b == c
-            };
-            let mut edges: Vec<(u64, u32)> = (0..3 * self.corners.len() as u32)
-                .into_par_iter()
-                .map(|edge| {
-                    let [a, b] = ends(edge).map(mixed);
-                    (a.wrapping_add(b), edge)
-                })
-                .collect();
-            edges.par_sort_unstable();
-            let mut neighbours = vec![[NONE; 3]; self.corners.len()];
-            for alike in edges.chunk_by(|a, b| a.0 == b.0) {
-                if let [(_, a), (_, b)] = *alike
-                    && same(a, b)
-                {
-                    neighbours[a as usize / 3][a as usize % 3] = b;
-                    neighbours[b as usize / 3][b as usize % 3] = a;
-                }
-            }
-            neighbours
+            (0..self.corners.len()).map(of).collect()
         })
     }
 

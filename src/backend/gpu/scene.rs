@@ -11,11 +11,12 @@ use crate::conditions::Conditions;
 use crate::effect::Resource;
 use crate::error::Result;
 use crate::medium::{Fog, Phase, Shape};
+use crate::scene::edges::in_turn;
 use crate::scene::opacity::Opacity;
 use crate::scene::{Geometry, Ray, Scene, Wrap};
 use glam::{DVec3, DVec4, UVec2, Vec4};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 use wgpu::{Buffer, BufferUsages, Texture, TextureFormat};
 
@@ -94,27 +95,6 @@ impl Triangles {
             .map(|v| mesh.positions[v as usize])
             .collect()
     }
-}
-
-/// For each edge of triangles, that from corner i to the next one of its triangle, the triangle on its other side; where more
-/// than two meet, the next of them in turn.
-fn beyond_edges(corners: &[DVec3]) -> Vec<Option<u32>> {
-    let bits = |p: DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
-    let mut beyond = vec![None; corners.len()];
-    // The first and the last edge between two places so far.
-    let mut met: HashMap<[[u64; 3]; 2], [usize; 2]> = HashMap::with_capacity(corners.len() / 2);
-    for i in 0..corners.len() {
-        let next = if i % 3 == 2 { i - 2 } else { i + 1 };
-        let mut ends = [bits(corners[i]), bits(corners[next])];
-        ends.sort_unstable();
-        let [first, last] = met.entry(ends).or_insert([i, i]);
-        if *last != i {
-            beyond[*last] = Some((i / 3) as u32);
-            beyond[i] = Some((*first / 3) as u32);
-            *last = i;
-        }
-    }
-    beyond
 }
 
 /// How far the eye may go from the anchor [m], and as a share of the scene's diagonal if that is less.
@@ -200,10 +180,12 @@ impl SceneOnDevice {
         if let Some(texture) = &self.caster_corners {
             return Ok(texture.clone());
         }
-        let beyond = beyond_edges(&self.casters[..3 * self.triangles.solid as usize]);
+        let next = in_turn(&self.casters[..3 * self.triangles.solid as usize]);
         // Whole numbers up to 2^24 are exact; the others' edges end at nothing.
-        let number = |corner: usize| match beyond.get(corner) {
-            Some(Some(triangle)) if *triangle < 1 << 24 => (triangle + 1) as f32,
+        let number = |corner: usize| match next.get(corner) {
+            Some(other) if *other as usize != corner && other / 3 < 1 << 24 => {
+                (other / 3 + 1) as f32
+            }
             _ => 0.0,
         };
         let texels = self
