@@ -193,7 +193,13 @@ fn edges_in_the_air_are_those_of_thousands_of_points() {
             let exact = off(&light(&conditions, 1.0, 4.0), &truth);
             let few = off(&light(&conditions, 0.0, 4.0), &truth);
             println!("{name}, camera {k}: {exact:.5?}, by 4 points {few:.5?}");
-            assert!(exact[0] < 0.01 && exact[1] < 0.02, "{name}: {exact:?}");
+            // Of a sliver between two edges points know little.
+            let most = match name.contains(" 0 deg") {
+                true => [0.01, 0.01],
+                false => [0.002, 0.005],
+            };
+            let is_near = exact[0] < most[0] && exact[1] < most[1];
+            assert!(is_near, "{name}: {exact:?}");
         }
     }
 }

@@ -388,7 +388,10 @@ impl Geometry {
         let is_there = |run: Run| run[0] < place(0.5) && place(0.5) < run[1];
         let mut exact = |t: f64| {
             outlines.clear();
-            let there = found.iter().filter(|found| is_there(found.run));
+            // What ends at no edge may come and go on the way.
+            let there = found
+                .iter()
+                .filter(|found| found.run[0] <= t && t <= found.run[1]);
             outlines.extend(there.map(|found| Outline {
                 lines: found.lines.map(|[line, change]| line + t * change),
                 slot: found.slot,
