@@ -13,7 +13,7 @@ use tyndall::conditions::Conditions;
 use tyndall::effect::Field;
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan};
-use tyndall::scene::Camera;
+use tyndall::scene::{Camera, Projection};
 
 /// As many points as are held to be the truth.
 const MANY: f64 = 2048.0;
@@ -337,4 +337,61 @@ fn edges_on_a_floor_are_those_of_thousands_of_points() {
         println!("on a GPU {found:.5?}");
         assert!(found[0] < 0.005 && found[1] < 0.02, "{found:?}");
     }
+}
+
+/// Views of slats in fog under the disc, whose sun moves on by `step` [deg] from one to the next.
+fn sweep(count: u32, azimuth: f64, step: f64) -> Vec<Conditions> {
+    (0..count)
+        .map(|i| {
+            let mut view = slats(1.0);
+            if let Some(sun) = &mut view.scene.sun {
+                sun.azimuth_deg = azimuth + step * f64::from(i);
+                sun.diameter_deg = Some(DIAMETER);
+            }
+            // So near that penumbrae are wider than pixels.
+            view.camera.projection = Projection::Perspective {
+                fov_y: 5f64.to_radians(),
+            };
+            let conditions = view.conditions([32, 24]).expect("sound");
+            assert!(
+                conditions.whole_sun().is_some(),
+                "a point stands for the sun"
+            );
+            conditions
+        })
+        .collect()
+}
+
+#[test]
+fn a_slow_sun_does_not_flicker() {
+    let errors: Vec<Vec<f64>> = sweep(8, 65.0, 1.0 / 60.0)
+        .iter()
+        .map(|conditions| {
+            let truth = light(conditions, 0.0, 1024.0);
+            let mean = truth.iter().sum::<f64>() / truth.len() as f64;
+            let found = light(conditions, 1.0, 4.0);
+            let off = found.iter().zip(&truth).map(|(a, b)| (a - b) / mean);
+            off.collect()
+        })
+        .collect();
+    let second = errors.windows(3).flat_map(|e| {
+        let difference = |p: usize| e[0][p] - 2.0 * e[1][p] + e[2][p];
+        (0..e[0].len()).map(difference).collect::<Vec<_>>()
+    });
+    let second: Vec<f64> = second.collect();
+    let square: f64 = second.iter().map(|e| e * e).sum();
+    let rms = (square / second.len() as f64).sqrt();
+    println!("second difference {rms:.2e}");
+    assert!(rms < 2e-4, "{rms}");
+}
+
+#[test]
+fn the_sun_across_the_view_is_nothing_special() {
+    // The view is along -z, as the slats are.
+    let errors: Vec<f64> = sweep(9, 89.96, 0.01)
+        .iter()
+        .map(|conditions| off(&light(conditions, 1.0, 4.0), &light(conditions, 0.0, 512.0))[0])
+        .collect();
+    println!("{errors:.6?}");
+    assert!(errors.iter().all(|e| *e < 1e-3), "{errors:?}");
 }

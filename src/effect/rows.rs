@@ -56,7 +56,7 @@ pub const HALVINGS: Knob = Knob {
 };
 
 /// No tile has more rows than this for each pixel of its diagonal.
-const ROWS_A_PIXEL: f64 = 16.0;
+const ROWS_A_PIXEL: f64 = 32.0;
 
 /// The number of rows across a tile's diagonal: the knob's, or as many as a small picture's pixels can tell apart.
 fn rows(conditions: &Conditions, settings: &Settings<'_>) -> u32 {
