@@ -11,7 +11,7 @@
 //! which [`output`] writes to files.
 //!
 //! ```
-//! use tyndall::backend::{Backend, Limits, Wanted};
+//! use tyndall::backend::{Backend, Limits, Step, Wanted};
 //! use tyndall::conditions::{Conditions, Request};
 //! use tyndall::plan::{Overrules, Plan};
 //! use tyndall::scene::Scene;
@@ -22,7 +22,7 @@
 //! let conditions = Conditions::new(scene, &request)?;
 //! let plan = Plan::new(&conditions, &Overrules::default())?;
 //! let mut backend = Backend::open(Wanted::Reference)?;
-//! let progress = |share: f64| eprintln!("{:.0} %", 100.0 * share);
+//! let progress = |step: Step| eprintln!("{} {:.0} %", step.stage, 100.0 * step.share);
 //! let picture = backend.render(&plan, &Limits::default(), &progress)?;
 //! assert!(picture.frame.layer("inscatter_sun").is_some(), "there are light shafts in it");
 //! # Ok(())
