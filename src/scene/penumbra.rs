@@ -98,6 +98,13 @@ pub struct SoftShade {
     pieces: Vec<Run>,
 }
 
+impl SoftShade {
+    /// How many times an edge crosses the disc on the way of the ray, as far as it was sought.
+    pub fn penumbrae(&self) -> usize {
+        self.crossing.len()
+    }
+}
+
 /// A triangle that covers a part of the disc as seen from a run of the ray.
 #[derive(Debug, Clone, Copy)]
 struct Found {
@@ -288,6 +295,7 @@ impl Geometry {
     ) -> bool {
         shade.lit.clear();
         shade.ramps.clear();
+        shade.crossing.clear();
         if far <= 0.0 {
             return true;
         }
@@ -296,7 +304,6 @@ impl Geometry {
             return true;
         }
         shade.found.clear();
-        shade.crossing.clear();
         shade.ends.clear();
         shade.soft.clear();
         shade.dark.clear();
