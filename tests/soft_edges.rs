@@ -395,3 +395,33 @@ fn the_sun_across_the_view_is_nothing_special() {
     println!("{errors:.6?}");
     assert!(errors.iter().all(|e| *e < 1e-3), "{errors:?}");
 }
+
+#[test]
+fn penumbrae_in_thin_layers_and_dense_fog_are_those_of_points() {
+    let far = Shape::Box {
+        min: DVec3::splat(-12.0),
+        max: DVec3::splat(12.0),
+    };
+    let layer = Shape::Height {
+        base: -10.0,
+        scale_height: 0.4,
+        far: 200.0,
+    };
+    // The light must not run along a face of dense fog, whose skin then sees the disc's directions one by one.
+    for (name, shape, scattering, azimuth) in [
+        ("layer", layer, 1e-2, 90.0f64),
+        ("dense fog", far, 1.0, 105.0),
+    ] {
+        let place = 400.0 * (azimuth - 90.0).to_radians().tan() + 0.3;
+        let edge = plate(400.0, [place, place + 200.0], 0.0);
+        for (k, camera) in cameras().into_iter().enumerate() {
+            let mut view = view(&edge, [azimuth, 30.0], camera);
+            view.scene.media = vec![fog(shape.clone(), scattering, 0.0, Phase::Isotropic)];
+            let conditions = view.conditions([24, 18]).expect("sound");
+            let truth = light(&conditions, 0.0, 1024.0);
+            let found = off(&light(&conditions, 1.0, 4.0), &truth);
+            println!("{name}, camera {k}: {found:.5?}");
+            assert!(found[0] < 0.002 && found[1] < 0.01, "{name}: {found:?}");
+        }
+    }
+}

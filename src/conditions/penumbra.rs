@@ -6,9 +6,13 @@ use crate::medium::Shape;
 use crate::scene::Projection;
 use crate::scene::penumbra::Edges;
 use glam::DVec2;
+use std::ops::RangeInclusive;
 
 /// Above so many of its radii the sun's disc counts as one direction for what the air takes of its light.
 const LOW: f64 = 8.0;
+
+/// The angular radii of discs whose edges are told [rad]: a smaller one is a point to f32, a larger one is not flat.
+const TOLD: RangeInclusive<f64> = 1e-6..=0.01;
 
 impl Conditions {
     /// The beams of the sun's disc that shadows are made for: `count` of them, or one where no penumbra is as wide as a pixel.
@@ -18,8 +22,8 @@ impl Conditions {
     }
 
     /// The edges of shadows as the sun's disc makes them, and the beam that stands for its light as a whole; `None` where one point or
-    /// several have to do: no penumbra is as wide as a pixel, or the sun is so low that its light comes through other air from its
-    /// lower edge than from its upper one.
+    /// several have to do: no penumbra is as wide as a pixel, the disc is wider than 1.1 degrees, or the sun is so low that its light comes
+    /// through other air from its lower edge than from its upper one.
     pub fn sun_edges(&self) -> Option<(Edges, Beam)> {
         let beam = self.whole_sun()?;
         Some((Edges::new(&self.geometry, self.sun.disc()?), beam))
@@ -28,9 +32,10 @@ impl Conditions {
     /// The beam that stands for the light of the sun's whole disc where [`Conditions::sun_edges`] has its edges.
     pub fn whole_sun(&self) -> Option<Beam> {
         let radius = self.sun.angular_radius();
-        let is_low = self.sun.toward.y < (LOW * radius).sin();
+        let elevation = self.sun.toward.y.clamp(-1.0, 1.0).asin();
+        let is_told = TOLD.contains(&radius) && elevation >= LOW * radius;
         let is_narrow = self.view.points().is_none() && self.widest_penumbra() < 1.0;
-        (radius > 0.0 && !is_low && !is_narrow).then_some(Beam::Parallel {
+        (is_told && !is_narrow).then_some(Beam::Parallel {
             toward: self.sun.toward,
             illuminance: self.sun.light.illuminance,
             angular_radius: radius,

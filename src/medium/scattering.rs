@@ -177,25 +177,40 @@ impl Scattering {
             return DVec3::ZERO;
         };
         let length = to - from;
-        let depth = |t: f64| self.depth(piece, t);
-        // Three points say how much it changes, heights too that go down and up again.
-        let ends = [from, middle, to].map(depth);
-        let change = (ends[1] - ends[0]).abs() + (ends[2] - ends[1]).abs();
-        // The most parts: what is deeper is not seen.
-        const PARTS: f64 = 64.0;
-        let parts = (2.0 * change.max_element()).ceil().clamp(1.0, PARTS);
+        let densities = |t: f64| self.heights.iter().map(move |h| h.profile.density(t));
+        let mut parts = vec![(0.0, 1.0, 32u32)];
         let mut sum = DVec3::ZERO;
-        for part in 0..parts as u32 {
-            for (k, (node, weight)) in nodes.iter().enumerate() {
-                let place = (f64::from(part) + node) / parts;
-                let share = match parts {
-                    1.0 => shares[k],
-                    _ => between(nodes, shares, place),
-                };
-                sum += *weight * share * self.integrand(piece, from + place * length);
+        // As by `quadrature`, of less degree.
+        while let Some((start, end, halvings)) = parts.pop() {
+            let (a, b) = (from + start * length, from + end * length);
+            let (first, last) = (self.depth(piece, a), self.depth(piece, b));
+            let seen = first.min(last).cmplt(DVec3::splat(OPAQUE));
+            if !seen.any() {
+                continue;
             }
+            let uneven = (0..3).any(|i| seen.test(i) && (last[i] - first[i]).abs() > 0.5);
+            let steep = densities(a)
+                .zip(densities(b))
+                .any(|(p, q)| p.max(q) > std::f64::consts::E * p.min(q));
+            if halvings > 0 && (uneven || steep) {
+                let middle = 0.5 * (start + end);
+                parts.push((start, middle, halvings - 1));
+                parts.push((middle, end, halvings - 1));
+                continue;
+            }
+            let is_whole = start == 0.0 && end == 1.0;
+            let mut part = DVec3::ZERO;
+            for (k, (node, weight)) in nodes.iter().enumerate() {
+                let place = start + node * (end - start);
+                let share = match is_whole {
+                    true => shares[k],
+                    false => between(nodes, shares, place),
+                };
+                part += *weight * share * self.integrand(piece, from + place * length);
+            }
+            sum += (end - start) * length * part;
         }
-        length / parts * sum
+        sum
     }
 
     fn integrate_piece(&self, piece: &Piece, a: f64, b: f64) -> DVec3 {

@@ -715,6 +715,10 @@ impl Search<'_> {
                             });
                         }
                     }
+                    if !is_plain && growth != 0.0 {
+                        // What lets light through ends where the ray passes it, in the middle of a penumbra too.
+                        self.shade.ends.push(-volume / growth);
+                    }
                     if any {
                         self.shade.ends.extend(run);
                         insert(&mut self.shade.soft, run, 0.0);
