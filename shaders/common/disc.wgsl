@@ -59,6 +59,7 @@ fn disc_shift(chord: u32) -> f32 {
     return fract(0.5 + 0.61803399 * f32(chord));
 }
 
+// The least of a triangle's three lines counts.
 const MEETS_NOTHING = 0u;
 const MEETS_PART = 1u;
 const MEETS_ALL = 2u;
@@ -69,10 +70,7 @@ fn disc_side(line: vec3f) -> u32 {
 }
 
 fn disc_meets(outline: Outline) -> u32 {
-    let a = disc_side(outline.a);
-    let b = disc_side(outline.b);
-    let c = disc_side(outline.c);
-    return select(min(a, min(b, c)), MEETS_NOTHING, min(a, min(b, c)) == MEETS_NOTHING);
+    return min(disc_side(outline.a), min(disc_side(outline.b), disc_side(outline.c)));
 }
 
 // The part of [from, to] where a line, by its value in the middle of a chord and its slope, is not negative.
@@ -271,7 +269,7 @@ fn disc_through(disc: Disc, p: vec3f, own: u32, facet: vec3f, normal: vec3f) -> 
         run = disc_cut(run, level, turn, cos(angle));
         if run.x < run.y {
             let lit = disc_bits(disc, run / half, disc_shift(j)) & ~dark[j];
-            // Of the middle of what is lit.
+            // Taken in the middle of the run, whatever of it is lit: discs are narrow.
             let middle = 0.5 * (run.x + run.y);
             let slope = level.y * turn.x - level.x * turn.y;
             let cosine = level.z + cos(angle) * dot(level.xy, turn) + middle * slope;

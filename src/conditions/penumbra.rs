@@ -4,7 +4,7 @@ use super::Conditions;
 use crate::beam::Beam;
 use crate::medium::Shape;
 use crate::scene::Projection;
-use crate::scene::penumbra::Edges;
+use crate::scene::edges::Edges;
 use glam::DVec2;
 use std::ops::RangeInclusive;
 

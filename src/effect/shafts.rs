@@ -13,7 +13,8 @@ use super::{Batch, Contribution, Decision, Field, Keeper, Knob, Settings, sun_be
 use crate::conditions::{Conditions, spread};
 use crate::error::Result;
 use crate::medium::Scattering;
-use crate::scene::penumbra::{Edges, NODES, SoftShade};
+use crate::scene::edges::Edges;
+use crate::scene::penumbra::{NODES, SoftShade};
 use glam::DVec3;
 
 /// The knob that all methods have: as many points stand for the sun's disc.

@@ -10,7 +10,7 @@ mod check;
 pub mod curtain;
 pub mod cut_out;
 pub mod disc;
-pub(crate) mod edges;
+pub mod edges;
 mod fan;
 mod file;
 pub mod framing;

@@ -14,14 +14,12 @@
 //! there. What could only hide what is hidden already is skipped, as by the curtain.
 
 use super::Ray;
-use super::disc::{Disc, Meets, Outline, cut};
-use super::edges::in_turn;
+use super::disc::{Meets, Outline, cut};
+use super::edges::{Edges, Margin};
 use super::geometry::{Geometry, Node};
 use super::shade::{Run, Shade, gaps, holds, insert};
-use glam::{DVec2, DVec3, Vec3A};
-use rayon::prelude::*;
+use glam::{DVec3, Vec3A};
 use std::f64::consts::FRAC_PI_2;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Nodes of Gauss-Legendre quadrature within a penumbra, in 0 to 1, and their weights.
 pub const NODES: [(f64, f64); 4] = [
@@ -36,37 +34,6 @@ const PIECES: usize = 128;
 
 /// The same of triangles.
 const TRIANGLES: usize = 512;
-
-/// No neighbour.
-const NONE: u32 = u32::MAX;
-
-/// The edges of a scene as a disc sees them.
-pub struct Edges {
-    disc: Disc,
-    /// Of each kept triangle: which edges, by the number of the corner that lies opposite, do not go on in another one on their
-    /// other side.
-    open: Vec<u8>,
-    /// Of each kept triangle that was asked for: how far it is from where its surface ends, seen along the light, and how high the
-    /// surface reaches up to there [m].
-    margins: Vec<AtomicU64>,
-    /// Axes across the light.
-    across: [DVec3; 2],
-}
-
-/// How far it is from a triangle to where its surface ends.
-#[derive(Clone, Copy)]
-struct Margin {
-    /// Seen along the light [m]; not more than it is.
-    width: f32,
-    /// How far toward the light the surface reaches within this, from the local origin [m]; not less than it does.
-    top: f32,
-}
-
-/// What no margin is.
-const UNKNOWN: u64 = u64::MAX;
-
-/// So many triangles around one are gone through to find its margin.
-const AROUND: usize = 48;
 
 /// A part of a ray in a penumbra.
 #[derive(Debug, Clone, Copy)]
@@ -142,147 +109,7 @@ impl Crossing {
 /// Edges of two triangles that differ by less on the disc [its radii] are one edge.
 const SAME_LINE: f64 = 1e-6;
 
-impl Edges {
-    /// Finds which edges end what a disc sees.
-    pub fn new(geometry: &Geometry, disc: Disc) -> Self {
-        let toward = disc.toward();
-        // Between faces that the disc sees edge-on an edge may end what a part of it sees.
-        let grazing = 2.0 * disc.tan_radius();
-        let normal = |slot: usize| {
-            let [a, b, c] = geometry.corners[slot];
-            (b - a).cross(c - a)
-        };
-        let is_grazed = |slot: usize| {
-            let normal = normal(slot);
-            normal.dot(toward).abs() <= grazing * normal.length()
-        };
-        let kind = |slot: usize| {
-            (
-                geometry.veil(slot).map(|veil| veil.0),
-                geometry.cut_out(slot).is_some(),
-            )
-        };
-        let neighbours = geometry.neighbours();
-        let open = (0..geometry.corners.len())
-            .into_par_iter()
-            .map(|slot| {
-                let corners = &geometry.corners[slot];
-                let mut open = 0;
-                for (i, neighbour) in neighbours[slot].iter().enumerate() {
-                    let goes_on = *neighbour != NONE && {
-                        let other = *neighbour as usize / 3;
-                        let tip = geometry.corners[other][*neighbour as usize % 3];
-                        let (a, b) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
-                        let side = |p: DVec3| (b - a).cross(p - a).dot(toward);
-                        side(corners[i]) * side(tip) < 0.0
-                            && !is_grazed(slot)
-                            && !is_grazed(other)
-                            && kind(slot) == kind(other)
-                    };
-                    if !goes_on {
-                        open |= 1 << i;
-                    }
-                }
-                open
-            })
-            .collect();
-        let (x, y) = toward.any_orthonormal_pair();
-        Edges {
-            disc,
-            open,
-            margins: (0..geometry.corners.len())
-                .map(|_| AtomicU64::new(UNKNOWN))
-                .collect(),
-            across: [x, y],
-        }
-    }
-
-    fn margin(&self, geometry: &Geometry, slot: usize) -> Margin {
-        let margin = &self.margins[slot];
-        let bits = margin.load(Ordering::Relaxed);
-        if bits != UNKNOWN {
-            return Margin {
-                width: f32::from_bits(bits as u32),
-                top: f32::from_bits((bits >> 32) as u32),
-            };
-        }
-        // Whoever finds it finds the same.
-        let found = self.find_margin(geometry, slot);
-        let bits = u64::from(found.width.to_bits()) | u64::from(found.top.to_bits()) << 32;
-        margin.store(bits, Ordering::Relaxed);
-        found
-    }
-
-    /// Goes from a triangle over the edges that lie nearest, until one is open.
-    fn find_margin(&self, geometry: &Geometry, slot: usize) -> Margin {
-        let neighbours = geometry.neighbours();
-        let seen = |p: DVec3| DVec2::new(p.dot(self.across[0]), p.dot(self.across[1]));
-        let own = geometry.corners[slot].map(seen);
-        let mut top = f64::NEG_INFINITY;
-        let mut known = vec![slot as u32];
-        let mut coming: Vec<(f64, u32)> = Vec::new();
-        let mut take = |at: usize, coming: &mut Vec<(f64, u32)>| {
-            let corners = geometry.corners[at];
-            for p in corners {
-                top = top.max(p.dot(self.disc.toward()));
-            }
-            for i in 0..3 {
-                let edge = [corners[(i + 1) % 3], corners[(i + 2) % 3]].map(seen);
-                coming.push((apart(&own, edge), 3 * at as u32 + i as u32));
-            }
-        };
-        take(slot, &mut coming);
-        let width = loop {
-            let nearest = (0..coming.len()).min_by(|a, b| coming[*a].0.total_cmp(&coming[*b].0));
-            let Some((distance, edge)) = nearest.map(|i| coming.swap_remove(i)) else {
-                // A surface without end.
-                break f64::INFINITY;
-            };
-            let (at, i) = (edge as usize / 3, edge as usize % 3);
-            if self.open[at] & (1 << i) != 0 || known.len() >= AROUND {
-                break distance;
-            }
-            let other = neighbours[at][i] / 3;
-            if !known.contains(&other) {
-                known.push(other);
-                take(other as usize, &mut coming);
-            }
-        };
-        let slack = 1e-6 * geometry.extent;
-        Margin {
-            width: ((1.0 - 1e-6) * width - slack) as f32,
-            top: (top + slack) as f32,
-        }
-    }
-
-    /// The disc.
-    pub fn disc(&self) -> &Disc {
-        &self.disc
-    }
-}
-
 impl Geometry {
-    /// Of each kept triangle, for each edge by the corner opposite: the triangle on its other side, times 3, plus the number of that one's
-    /// corner opposite; `NONE` where there is none, or more than one.
-    fn neighbours(&self) -> &[[u32; 3]] {
-        self.neighbours.get_or_init(|| {
-            let next = in_turn(self.corners.as_flattened());
-            let of = |slot: usize| {
-                [0, 1, 2].map(|corner| {
-                    // The edge opposite a corner begins at the one behind it.
-                    let edge = 3 * slot + (corner + 1) % 3;
-                    let other = next[edge];
-                    let is_pair = other as usize != edge && next[other as usize] as usize == edge;
-                    match is_pair {
-                        true => other / 3 * 3 + (other % 3 + 2) % 3,
-                        false => NONE,
-                    }
-                })
-            };
-            (0..self.corners.len()).map(of).collect()
-        })
-    }
-
     /// What of a disc reaches the first `far` metres of a ray: `shade` is overwritten; no ramp goes beyond one of `borders` [m].
     /// Whether it was found: not where alpha cuts holes into what stands in the way, or too many edges do.
     pub fn soft_shade(
@@ -315,7 +142,7 @@ impl Geometry {
             geometry: self,
             edges,
             base: (ray.origin - self.origin) + near * ray.direction,
-            drift: -edges.disc.on_plane(ray.direction),
+            drift: -edges.disc().on_plane(ray.direction),
             span: [-near, far - near],
             height: 0.0,
             slope: 0.0,
@@ -403,7 +230,7 @@ impl Geometry {
                 lines: found.lines.map(|[line, change]| line + t * change),
                 slot: found.slot,
             }));
-            edges.disc.left(self, outlines, None, chords)
+            edges.disc().left(self, outlines, None, chords)
         };
         // One edge alone: all else hides what it leaves, or nothing of it.
         let mut there = crossing.iter().filter(|edge| is_there(edge.run));
@@ -416,12 +243,12 @@ impl Geometry {
             } else {
                 other
             };
-            let (left, alone) = (exact(open), edges.disc.beyond(edge.depth(open)));
+            let (left, alone) = (exact(open), edges.disc().beyond(edge.depth(open)));
             if left == DVec3::ZERO {
                 return [DVec3::ZERO; NODES.len()];
             }
             if (left - alone).abs().max_element() < ALONE {
-                return NODES.map(|(node, _)| edges.disc.beyond(edge.depth(place(node))));
+                return NODES.map(|(node, _)| edges.disc().beyond(edge.depth(place(node))));
             }
         }
         NODES.map(|(node, _)| exact(place(node)))
@@ -492,7 +319,7 @@ impl Wedge {
 impl Search<'_> {
     /// Visits all triangles that may cover something of the disc; false if there are too many, or one that it cannot tell of.
     fn run(&mut self, ray: &Ray) -> bool {
-        let disc = &self.edges.disc;
+        let disc = self.edges.disc();
         let (r, toward, tan) = (ray.direction, disc.toward(), disc.tan_radius());
         let aside = toward - r * toward.dot(r);
         let (sine, cosine) = (aside.length(), toward.dot(r));
@@ -574,7 +401,7 @@ impl Search<'_> {
 
     /// The same of a ray that runs nearly toward the disc, or away from it: all that can cover the disc lies in a cone.
     fn run_along(&mut self, ray: &Ray, sine: f64, cosine: f64) -> bool {
-        let disc = &self.edges.disc;
+        let disc = self.edges.disc();
         let (toward, tan) = (disc.toward(), disc.tan_radius());
         let end = if cosine > 0.0 {
             self.span[0]
@@ -627,7 +454,7 @@ impl Search<'_> {
             }
             let Margin { width, top } = self.edges.margin(geometry, slot);
             // As long as the disc is not wider than the margin: top - height - slope t <= width / tan.
-            let most = f64::from(width) / self.edges.disc.tan_radius();
+            let most = f64::from(width) / self.edges.disc().tan_radius();
             let run = cut(run, [most - f64::from(top) + self.height, self.slope]);
             if run[0] < run[1] {
                 insert(dark, run, self.together);
@@ -638,7 +465,7 @@ impl Search<'_> {
 
     /// Takes in what one triangle covers of the disc.
     fn triangle(&mut self, slot: usize) -> bool {
-        let disc = &self.edges.disc;
+        let disc = self.edges.disc();
         let geometry = self.geometry;
         let corners = geometry.corners[slot].map(|p| p - self.base);
         let span = match &self.wedge {
@@ -706,7 +533,7 @@ impl Search<'_> {
                     });
                     let mut any = false;
                     for (i, line) in there.lines.iter().enumerate() {
-                        let is_open = self.edges.open[slot] & (1 << i) != 0;
+                        let is_open = self.edges.is_open(slot, i);
                         if is_open && line.z * line.z < line.x * line.x + line.y * line.y {
                             any = true;
                             self.shade.crossing.push(Crossing {
@@ -728,35 +555,6 @@ impl Search<'_> {
         }
         self.shade.found.len() <= TRIANGLES && self.shade.ends.len() <= 2 * PIECES
     }
-}
-
-/// The least distance of a triangle from a line between two points.
-fn apart(triangle: &[DVec2; 3], [a, b]: [DVec2; 2]) -> f64 {
-    let to_line = |p: DVec2, a: DVec2, b: DVec2| {
-        let along = b - a;
-        let square = along.length_squared();
-        let share = if square > 0.0 {
-            (p - a).dot(along) / square
-        } else {
-            0.0
-        };
-        p.distance(a + share.clamp(0.0, 1.0) * along)
-    };
-    let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a);
-    let mut least = f64::INFINITY;
-    for i in 0..3 {
-        let (p, q) = (triangle[i], triangle[(i + 1) % 3]);
-        least = least
-            .min(to_line(p, a, b))
-            .min(to_line(a, p, q))
-            .min(to_line(b, p, q));
-        if side(p, q, a) * side(p, q, b) < 0.0 && side(a, b, p) * side(a, b, q) < 0.0 {
-            return 0.0;
-        }
-    }
-    let sides = [0, 1, 2].map(|i| side(triangle[i], triangle[(i + 1) % 3], a));
-    let is_inside = sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0);
-    if is_inside { 0.0 } else { least }
 }
 
 /// Where a line U + t V touches the unit circle.
