@@ -1,7 +1,7 @@
 //! From a scene and what is asked of it to conditions.
 
 use super::request::{CameraChoice, Request};
-use super::{Conditions, GroundPlane, Receivers, Sun, View, checks, toward, unused};
+use super::{Conditions, GroundPlane, Lamp, Receivers, Sun, View, checks, toward, unused};
 use crate::ephemeris::civil::{self, Moment, Reading};
 use crate::ephemeris::{Site, SunPosition, Tier, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
@@ -65,8 +65,10 @@ impl Conditions {
             height,
             albedo: DVec3::splat(scene.ground.albedo),
         });
+        let lamps = Lamp::all(&scene)?;
         Ok(Conditions {
             warnings: warnings(&scene, request, &geometry, &moment),
+            lamps: lamps.into(),
             geometry,
             view: View {
                 camera,
@@ -144,6 +146,12 @@ fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> 
             let (sun, sky) = given_sun(scene, entry, &path, north, ground_albedo)?;
             (sun, sky, path, None)
         }
+        None if scene.site.is_none() && time.is_none() && scene.has_lamps() => (
+            Sun::ABSENT,
+            None,
+            SunPath::standard(0.0, turbidity(&scene.sky)),
+            None,
+        ),
         None => {
             let instant = instant(scene, time, request)?;
             let path = sun_path(scene, &instant);

@@ -15,7 +15,7 @@ pub struct Brightest {
     pub sky: f64,
     /// Of a surface: r / (1 - r) times what the sun and the brightest part of the sky all over would make of a white one, r the greatest
     /// reflectance of all, since each further reflection has at most r of the one before. Infinite where something reflects all
-    /// light; 0 where nothing reflects any.
+    /// light, and with lamps, near which there is no bound; 0 where nothing reflects any.
     pub surface: f64,
 }
 
@@ -24,9 +24,14 @@ impl Conditions {
     pub fn brightest(&self) -> Brightest {
         let sky = self.brightest_sky();
         let r = self.greatest_albedo();
+        // Near a lamp there is no bound.
+        let lamps = match self.lamps.is_empty() {
+            true => 0.0,
+            false => f64::INFINITY,
+        };
         let surface = match r {
             0.0 => 0.0,
-            r => (self.sun.illuminance_lux() / PI + sky) * r / (1.0 - r).max(0.0),
+            r => (self.sun.illuminance_lux() / PI + sky + lamps) * r / (1.0 - r).max(0.0),
         };
         Brightest { sky, surface }
     }

@@ -6,8 +6,10 @@ mod assemble;
 mod brightest;
 mod checks;
 mod inputs;
+pub mod lamps;
 mod lines;
 mod penumbra;
+pub mod received;
 mod request;
 mod sun;
 mod unused;
@@ -16,6 +18,7 @@ mod view;
 pub use assemble::SolarGeometry;
 pub use brightest::Brightest;
 pub use inputs::{Input, Snapshot};
+pub use lamps::Lamp;
 pub use request::{CameraChoice, Request};
 pub use sun::Sun;
 pub use view::{Receiver, Receivers, View, spread};
@@ -52,6 +55,8 @@ pub struct Conditions {
     pub ground: Option<GroundPlane>,
     /// The media.
     pub air: Air,
+    /// The lamps that give light.
+    pub lamps: Arc<[Lamp]>,
     /// What was left out, is doubtful or approximate.
     pub warnings: Vec<Warning>,
     /// What was asked for, so that it can be asked of another moment.
@@ -75,6 +80,20 @@ pub fn toward(azimuth: f64, elevation: f64, north: f64) -> DVec3 {
 }
 
 impl Conditions {
+    /// Whether anything gives light: sky, sun or lamps.
+    pub fn is_lit(&self) -> bool {
+        self.sky.is_some() || self.sun.shines() || !self.lamps.is_empty()
+    }
+
+    /// A typical illuminance by lamps [lx]: theirs where the eye is, each as if it shone that way with all its strength, from a metre
+    /// or more. An estimate.
+    pub fn typical_lamp_light(&self) -> f64 {
+        let eye = self.view.camera.eye;
+        let of =
+            |lamp: &Lamp| lamp.greatest_intensity() / lamp.middle().distance_squared(eye).max(1.0);
+        self.lamps.iter().map(of).sum()
+    }
+
     /// A typical luminance of the picture [cd/m2]: open ground of albedo 0.2. An estimate to compare contributions with.
     pub fn typical_luminance(&self) -> f64 {
         let sun = self.sun.illuminance_lux() * self.sun.toward.y.max(0.0);
@@ -82,7 +101,7 @@ impl Conditions {
             .sky
             .as_ref()
             .map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
-        0.2 / PI * (sun + sky)
+        0.2 / PI * (sun + sky + self.typical_lamp_light())
     }
 
     /// No ray through the air has a greater optical depth [1].

@@ -18,6 +18,21 @@ pub struct Sun {
 }
 
 impl Sun {
+    /// That of a scene which is lit by lamps alone: there is none.
+    pub const ABSENT: Sun = Sun {
+        toward: DVec3::NEG_Y,
+        light: SunLight {
+            illuminance: DVec3::ZERO,
+            full_illuminance: DVec3::ZERO,
+            visible_share: 0.0,
+            irradiance: None,
+            angular_radius: 0.0,
+            visible_elevation: 0.0,
+            air_mass: None,
+        },
+        limb_darkening: false,
+    };
+
     /// Whether any part of it is above the horizon and gives light.
     pub fn shines(&self) -> bool {
         self.missing().is_none()
@@ -26,7 +41,9 @@ impl Sun {
     /// Why it gives no light, if it gives none.
     pub fn missing(&self) -> Option<&'static str> {
         let given = self.light.irradiance.is_none();
-        if given && luminance(self.light.full_illuminance) <= 0.0 {
+        if *self == Sun::ABSENT {
+            Some("the scene has no sun")
+        } else if given && luminance(self.light.full_illuminance) <= 0.0 {
             Some("it is a sun without light: it was given 0 lx")
         } else if self.toward.y <= -self.angular_radius().sin() || self.light.visible_share == 0.0 {
             Some("the sun is below the horizon")

@@ -3,7 +3,7 @@
 use super::request::Request;
 use crate::ephemeris::{Tier, TimeScale};
 use crate::medium::{Medium, Shape};
-use crate::scene::{Ground, PunctualKind, Scene};
+use crate::scene::{Ground, PunctualKind, PunctualLight, Scene};
 use crate::warning::{UnusedLight, Warning};
 use glam::DVec3;
 
@@ -93,20 +93,14 @@ fn of_sky(scene: &Scene) -> Option<Warning> {
     (!keys.is_empty()).then_some(Warning::UnusedSky { keys })
 }
 
-/// The lights of the file: only sun and sky give light.
+/// The directional lights of the file: the sun comes from elsewhere.
 fn of_lights(scene: &Scene) -> Option<Warning> {
-    let lights = scene.lights.iter().map(|light| {
-        let (kind, unit) = match light.kind {
-            PunctualKind::Directional => ("directional", "lx"),
-            PunctualKind::Point => ("point", "cd"),
-            PunctualKind::Spot { .. } => ("spot", "cd"),
-        };
-        UnusedLight {
-            name: light.name.clone(),
-            kind,
-            intensity: light.color.max_element(),
-            unit,
-        }
+    let is_sun = |light: &&PunctualLight| light.kind == PunctualKind::Directional;
+    let lights = scene.lights.iter().filter(is_sun).map(|light| UnusedLight {
+        name: light.name.clone(),
+        kind: "directional",
+        intensity: light.color.max_element(),
+        unit: "lx",
     });
     let lights: Vec<UnusedLight> = lights.collect();
     (!lights.is_empty()).then_some(Warning::UnusedLights { lights })

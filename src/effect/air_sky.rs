@@ -141,8 +141,8 @@ fn decide(conditions: &Conditions) -> Decision {
     if !media.iter().any(|m| scatters(&m)) {
         return Decision::nothing("no medium scatters light");
     }
-    if conditions.sky.is_none() && !conditions.sun.shines() {
-        return Decision::nothing("neither sky nor sun gives light");
+    if !conditions.is_lit() {
+        return Decision::nothing("neither sky nor sun nor a lamp gives light");
     }
     let brightest = conditions.brightest();
     let brightest = brightest.sky.max(brightest.surface);

@@ -2,9 +2,9 @@
 
 use super::definition::Effect;
 use super::{
-    air_shadow, air_sky, compose, radiosity, shadow, shafts_epipolar, shafts_march, shafts_planes,
-    shafts_prefiltered, shafts_rectified, sky_dome, sun_disc, surface_sun, transmittance,
-    visibility,
+    air_lamps, air_shadow, air_sky, compose, lamp_faces, radiosity, shadow, shafts_epipolar,
+    shafts_march, shafts_planes, shafts_prefiltered, shafts_rectified, sky_dome, sun_disc,
+    surface_lamps, surface_sun, transmittance, visibility,
 };
 
 /// Every effect, in the order in which they run: each after those whose fields it reads.
@@ -15,6 +15,7 @@ pub const ALL: &[&Effect] = &[
     &sun_disc::SUN_DISC,
     &shadow::SHADOW,
     &surface_sun::SURFACE_SUN,
+    &surface_lamps::SURFACE_LAMPS,
     &radiosity::RADIOSITY,
     &shafts_rectified::SHAFTS_RECTIFIED,
     &shafts_epipolar::SHAFTS_EPIPOLAR,
@@ -22,6 +23,9 @@ pub const ALL: &[&Effect] = &[
     &shafts_march::SHAFTS_MARCH,
     &shafts_planes::SHAFTS_PLANES,
     &air_sky::AIR_SKY,
+    &air_lamps::AIR_LAMPS,
     &air_shadow::AIR_SHADOW,
     &compose::COMPOSE,
+    // It takes account of the air between lamp and eye itself.
+    &lamp_faces::LAMP_FACES,
 ];

@@ -1,10 +1,16 @@
 //! What reaches the eye: light from surfaces and from the background passes the air on its way.
 //!
-//! L = tau (L_sun + L_sky + L_lights + L_background) + L_inscatter. The air's own layers hold their attenuation already.
+//! L = tau (L_sun + L_sky + L_indirect + L_lights + L_background) + L_inscatter. The air's own layers hold their attenuation already.
 
 use super::{Contribution, Decision, Effect, Field, Over, Pass, Resource, When};
 
-const ATTENUATED: &[Field] = &[Field::Sun, Field::Sky, Field::Lights, Field::Background];
+const ATTENUATED: &[Field] = &[
+    Field::Sun,
+    Field::Sky,
+    Field::Indirect,
+    Field::Lights,
+    Field::Background,
+];
 
 /// Light through the air to the eye.
 pub const COMPOSE: Effect = Effect {
@@ -29,3 +35,15 @@ pub const COMPOSE: Effect = Effect {
     }],
     ..Effect::NOTHING
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Part;
+
+    #[test]
+    fn all_that_comes_from_behind_the_air_passes_it() {
+        let behind = Field::layers().filter(|field| field.part() != Part::Air);
+        assert!(behind.eq(ATTENUATED.iter().copied()));
+    }
+}

@@ -141,6 +141,7 @@
 //! [`When::Once`], or [`When::Until`] a condition holds that is read back from the device; on the CPU by the function that is given
 //! to [`Keeper::get`]. A result that depends on something it does not name is wrong as soon as that changes: name it.
 
+pub mod air_lamps;
 pub mod air_shadow;
 pub mod air_sky;
 mod all;
@@ -149,6 +150,7 @@ pub mod compose;
 mod definition;
 mod fields;
 mod kept;
+pub mod lamp_faces;
 mod method;
 pub mod pass;
 pub mod radiosity;
@@ -163,6 +165,7 @@ pub mod shafts_prefiltered;
 pub mod shafts_rectified;
 pub mod sky_dome;
 pub mod sun_disc;
+pub mod surface_lamps;
 pub mod surface_sun;
 pub mod transmittance;
 pub mod visibility;

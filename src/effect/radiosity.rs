@@ -96,8 +96,8 @@ pub const RADIOSITY: Effect = Effect {
         },
     ],
     decide: |conditions| {
-        if conditions.sky.is_none() && !conditions.sun.shines() {
-            return Decision::nothing("neither sky nor sun gives light");
+        if !conditions.is_lit() {
+            return Decision::nothing("neither sky nor sun nor a lamp gives light");
         }
         let sky = conditions.sky.as_ref();
         let sky = sky.map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));

@@ -9,8 +9,8 @@ use super::exponential::gauss;
 use super::{Air, FARTHEST, Medium, Shape};
 use glam::DVec3;
 
-/// Parts whose halves agree this well are not halved any more.
-const TOLERANCE: f64 = 1e-9;
+/// Parts whose halves agree this well are not halved any more, where nothing else is asked for.
+pub(super) const TOLERANCE: f64 = 1e-9;
 
 /// A part is halved at most so often.
 const HALVINGS: u32 = 24;
@@ -24,23 +24,29 @@ fn within(foot: f64, aside: f64, radius: f64) -> Vec<f64> {
     }
 }
 
-/// A ray under a local beam.
-#[derive(Debug, Clone)]
-pub(super) struct LocalScattering {
-    air: Air,
+/// How luminous intensity depends on the unit vector that light goes along [1].
+pub type Pattern<'a> = &'a (dyn Fn(DVec3) -> f64 + Sync);
+
+/// A ray under the light of a place near by.
+pub struct LocalScattering<'a> {
+    air: &'a Air,
+    pattern: Option<Pattern<'a>>,
+    tolerance: f64,
     origin: DVec3,
     direction: DVec3,
     position: DVec3,
     /// Distance along the ray of the foot of `position`, and how far that is from the ray, at least the radius [m].
     foot: f64,
     aside: f64,
-    /// Where the ray enters or leaves a medium [m].
+    /// Where the ray enters or leaves a medium, or the pattern bends [m].
     borders: Vec<f64>,
 }
 
-impl LocalScattering {
+impl<'a> LocalScattering<'a> {
+    /// The first `distance` metres of a ray under light from a place, the same in all directions; nearer to it than `radius` [m] it
+    /// gets no brighter.
     pub fn new(
-        air: &Air,
+        air: &'a Air,
         origin: DVec3,
         direction: DVec3,
         distance: f64,
@@ -62,7 +68,9 @@ impl LocalScattering {
             .collect();
         borders.sort_unstable_by(f64::total_cmp);
         LocalScattering {
-            air: air.clone(),
+            air,
+            pattern: None,
+            tolerance: TOLERANCE,
             origin,
             direction,
             position,
@@ -71,6 +79,16 @@ impl LocalScattering {
             aside: aside.max(radius).max(1e-9 * (1.0 + foot.abs())),
             borders,
         }
+    }
+
+    /// The same under light whose intensity goes by a pattern with kinks at `bends` [m along the ray], to a relative error of about
+    /// `tolerance`.
+    pub fn shaped(mut self, pattern: Pattern<'a>, bends: &[f64], tolerance: f64) -> Self {
+        self.pattern = Some(pattern);
+        self.tolerance = tolerance;
+        self.borders.extend_from_slice(bends);
+        self.borders.sort_unstable_by(f64::total_cmp);
+        self
     }
 
     /// The integral over the lit part [from, to] of the ray [1/(m2 sr)]: times the luminous intensity it is luminance.
@@ -104,7 +122,8 @@ impl LocalScattering {
             let (left, right) = (whole(a, m), whole(m, b));
             let finer = left + right;
             let off = (finer - found).abs().max_element();
-            if halvings == 0 || off <= TOLERANCE * finer.abs().max_element().max(sum.max_element())
+            if halvings == 0
+                || off <= self.tolerance * finer.abs().max_element().max(sum.max_element())
             {
                 sum += finer;
             } else {
@@ -125,6 +144,10 @@ impl LocalScattering {
         // On a ray through a point of light, no nearer than the ray is taken to pass it.
         let square = way.length_squared().max(self.aside * self.aside);
         let toward = way.try_normalize().unwrap_or(DVec3::Y);
+        let shape = self.pattern.map_or(1.0, |pattern| pattern(-toward));
+        if shape == 0.0 {
+            return DVec3::ZERO;
+        }
         let one_minus_mu = 0.5 * (self.direction - toward).length_squared();
         let among = self.origin + middle * self.direction;
         let source: DVec3 = self
@@ -139,7 +162,7 @@ impl LocalScattering {
             .sum();
         let depth = self.air.optical_depth(self.origin, self.direction, t)
             + self.air.optical_depth(point, toward, distance);
-        source * (-depth).exp() / square
+        shape * source * (-depth).exp() / square
     }
 
     /// Of a medium at a point [1], relative to where its coefficients are those given.
@@ -166,7 +189,6 @@ impl LocalScattering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::Beam;
     use crate::medium::{Phase, Scattering};
     use std::f64::consts::PI;
 

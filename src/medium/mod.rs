@@ -23,6 +23,7 @@ mod shape;
 mod sight;
 
 pub use clear::ClearAir;
+pub use local::{LocalScattering, Pattern};
 pub use phase::{Fog, Phase};
 pub use scattering::Scattering;
 pub use shape::{FARTHEST, Medium, Shape};

@@ -27,15 +27,15 @@ struct Piece {
 /// integrated by Gauss-Legendre quadrature on short enough parts.
 ///
 /// Light of a local beam has no such forms: its integral is by quadrature throughout.
-pub struct Scattering {
+pub struct Scattering<'a> {
     pieces: Vec<Piece>,
     heights: Vec<HeightTerm>,
-    local: Option<LocalScattering>,
+    local: Option<LocalScattering<'a>>,
 }
 
-impl Scattering {
+impl<'a> Scattering<'a> {
     /// Prepares the first `distance` metres of a ray under a beam.
-    pub fn new(air: &Air, origin: DVec3, direction: DVec3, distance: f64, beam: &Beam) -> Self {
+    pub fn new(air: &'a Air, origin: DVec3, direction: DVec3, distance: f64, beam: &Beam) -> Self {
         let toward_sun = match *beam {
             Beam::Parallel { toward, .. } => toward,
             Beam::Local {

@@ -5,6 +5,7 @@ use super::dome::Dome;
 use super::exchange::Exchange;
 use super::gaps::{Gap, gaps};
 use super::hemicube::Drawer;
+use super::lamps::is_reached;
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
@@ -96,9 +97,19 @@ impl Transport {
         };
         transport.gaps = gaps;
         let few = transport.rows(&all, &[], FEW, task.part(0.1, 0.2))?;
-        let lit = Exchange::reached(&few, &through);
+        let near = transport.near(DVec3::ZERO);
+        let by_lamps: Vec<bool> = match conditions.lamps.is_empty() {
+            true => Vec::new(),
+            false => {
+                let patches = transport.patches.all.par_iter().enumerate();
+                patches
+                    .map(|(i, patch)| is_reached(conditions, patch, near, i as u64))
+                    .collect()
+            }
+        };
+        let lit = Exchange::reached(&few, &through, &by_lamps);
         if !transport.gaps.is_empty() {
-            let otherwise = Exchange::reached(&few, &[]);
+            let otherwise = Exchange::reached(&few, &[], &by_lamps);
             let by_gaps = lit.iter().zip(otherwise).map(|(lit, other)| *lit && !other);
             transport.by_gaps = by_gaps.collect();
         }

@@ -29,9 +29,9 @@ impl Exchange {
         !self.to[patch].is_empty() || !self.outside[patch].is_empty()
     }
 
-    /// Which patches light from outside can reach, directly or by others. `groups` are sources that light passes between in other ways than
-    /// along the rows.
-    pub fn reached(rows: &[Row], groups: &[Vec<Source>]) -> Vec<bool> {
+    /// Which patches light from outside can reach, directly or by others, and light from those that are `lit` otherwise. `groups` are
+    /// sources that light passes between in other ways than along the rows.
+    pub fn reached(rows: &[Row], groups: &[Vec<Source>], lit: &[bool]) -> Vec<bool> {
         let patches = rows.len();
         let count = patches + groups.len();
         let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
@@ -55,6 +55,12 @@ impl Exchange {
                     }
                     _ => {}
                 }
+            }
+        }
+        for (i, _) in lit.iter().enumerate().filter(|(_, lit)| **lit) {
+            if !reached[i] {
+                reached[i] = true;
+                open.push(i as u32);
             }
         }
         while let Some(i) = open.pop() {

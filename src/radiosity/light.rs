@@ -7,6 +7,7 @@
 //! Differs from the ReLiShaft paper's algorithm 2 as that must be read: dB_j = rho_j dB_i F_ij A_i / A_j.
 
 use super::arrival::{Arrival, Source};
+use super::lamps::lamps_on;
 use super::sun::sun_on;
 use super::tiles::Tile;
 use super::transport::Transport;
@@ -35,7 +36,7 @@ pub struct Light {
     pub account: Account,
 }
 
-/// Where the light went that sky, sun and open ground gave to surfaces [lm, RGB].
+/// Where the light went that sky, sun, lamps and open ground gave to surfaces [lm, RGB].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Account {
     /// What surfaces received from outside.
@@ -53,7 +54,7 @@ pub struct Account {
 }
 
 impl Light {
-    /// Finds it for the sun and the sky of `conditions`, over the transport of the same scene, until the unshot share of what
+    /// Finds it for sun, sky and lamps of `conditions`, over the transport of the same scene, until the unshot share of what
     /// surfaces received is below `unshot`.
     ///
     /// # Errors
@@ -89,10 +90,16 @@ impl Light {
                     .map(|(source, _, through)| through.as_dvec3() * light.radiance(*source))
                     .sum();
                 let sun = sun_on(transport, conditions, patch);
-                let sent = (transport.patches.all[patch].albedo / PI).as_vec3();
+                let own = &transport.patches.all[patch];
+                let near = transport.near(DVec3::ZERO);
+                let lamps = match transport.exchange.sees(patch) {
+                    true => lamps_on(conditions, own, near, patch as u64),
+                    false => DVec3::ZERO,
+                };
+                let sent = (own.albedo / PI).as_vec3();
                 let tiles = sun.tiles.into_iter();
                 let tiles = tiles.map(|(tile, off)| (tile, sent * off)).collect();
-                Ok((PI * sky + sun.mean, tiles))
+                Ok((PI * sky + sun.mean + lamps, tiles))
             })
             .collect();
         let (irradiance, tiles): (Vec<DVec3>, Vec<Tiles>) = received?.into_iter().unzip();

@@ -14,6 +14,7 @@ mod exchange;
 mod gaps;
 mod gather;
 mod hemicube;
+mod lamps;
 mod lattice;
 mod light;
 mod openings;

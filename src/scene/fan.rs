@@ -32,13 +32,23 @@ impl Geometry {
         let n = m.cross(r);
         let to_frame = DMat3::from_cols(n, m, r).transpose();
         let together = 1e-13 * (far.min(self.extent + base.length()) + self.extent);
+        // The fan's other two sides go through the lamp: it lies where the first is positive, and the second negative (NaN of a ray
+        // without end, which leaves nothing out).
+        let side = |to: f64| (height * r + (to - along) * m) / height.hypot(to - along);
+        let (first, last) = (side(0.0), side(far));
         let mut stack = vec![0u32];
         while let Some(top) = stack.pop() {
             let node = &self.nodes[top as usize];
             // Boxes are in f32: nothing that the plane may cut is skipped.
             let middle = node.middle.as_dvec3() - base;
             let half = node.half.as_dvec3() + 1e-6 * (self.extent + base.length());
-            if n.dot(middle).abs() > n.abs().dot(half) {
+            let reach = |across: DVec3| across.abs().dot(half);
+            let up = m.dot(middle);
+            if n.dot(middle).abs() > reach(n)
+                || (up - 0.5 * height).abs() > 0.5 * height + reach(m)
+                || first.dot(middle - way) < -reach(first)
+                || last.dot(middle - way) > reach(last)
+            {
                 continue;
             }
             if node.count == 0 {

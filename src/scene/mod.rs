@@ -17,6 +17,7 @@ pub mod framing;
 pub mod geometry;
 mod gltf;
 mod hints;
+pub mod lamp;
 mod load;
 mod mtl;
 mod mtl_pictures;
@@ -35,10 +36,11 @@ mod wide;
 
 use crate::medium::{ClearAir, Medium};
 use crate::warning::Warning;
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DAffine3, DVec2, DVec3, DVec4};
 
 pub use camera::{Camera, Projection, Ray};
 pub use geometry::{Geometry, Hit};
+pub use lamp::{LampEntry, LampForm};
 pub use load::{BUILTIN, from_bytes, load, load_placed};
 pub use placement::{Placement, Up};
 pub use toml::schema;
@@ -56,8 +58,12 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Cameras of the file, in its order.
     pub cameras: Vec<NamedCamera>,
-    /// Punctual lights of the file, kept as they stand.
+    /// Punctual lights of the mesh's file, kept as they stand.
     pub lights: Vec<PunctualLight>,
+    /// Lamps of the scene file.
+    pub lamps: Vec<LampEntry>,
+    /// Nodes of the mesh's file that have a name, once for each place where they are.
+    pub nodes: Vec<NamedNode>,
     /// Azimuth that the scene's -Z axis faces [degrees]; 0: +X is east.
     pub north_deg: f64,
     /// The moment, as the user wrote it (RFC 3339, local without an offset, or `JD...`).
@@ -172,6 +178,15 @@ pub struct NamedCamera {
     pub camera: Camera,
 }
 
+/// A node of a glTF and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedNode {
+    /// Its name in the file.
+    pub name: String,
+    /// From its own axes to those of the scene.
+    pub to_scene: DAffine3,
+}
+
 /// A light of KHR_lights_punctual, in scene axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PunctualLight {
@@ -272,6 +287,14 @@ pub struct PictureEntry {
     pub samples: Option<u32>,
     /// EV100; absent: automatic.
     pub exposure_ev100: Option<f64>,
+}
+
+impl Scene {
+    /// Whether it has lamps that take part: those of the scene file, and points and spots of the mesh's.
+    pub fn has_lamps(&self) -> bool {
+        let is_lamp = |light: &PunctualLight| light.kind != PunctualKind::Directional;
+        !self.lamps.is_empty() || self.lights.iter().any(is_lamp)
+    }
 }
 
 impl Mesh {

@@ -1,7 +1,7 @@
 //! From the axes and the unit of a mesh to those of the scene: +Y up, metres.
 
 use super::{Projection, Scene, hints};
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// The unit and the axes of a mesh; what is absent is as the scene's.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -67,6 +67,13 @@ impl Scene {
         for light in &mut self.lights {
             light.position = moved(light.position);
             light.direction = turn * light.direction;
+        }
+        let all = DAffine3 {
+            matrix3: turn * scale,
+            translation: origin,
+        };
+        for node in &mut self.nodes {
+            node.to_scene = all * node.to_scene;
         }
         if !self.mesh.positions.iter().all(|p| p.is_finite()) {
             return Err("it makes the mesh larger than numbers can be".into());

@@ -4,6 +4,7 @@
 //! checked against that schema ([`super::check`]), and then read into them.
 
 use super::camera::{Camera, Projection};
+use super::lamp::LightTable;
 use super::placement::{self, Placement};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
 use crate::error::{Error, Result};
@@ -47,6 +48,9 @@ struct SceneFile {
     /// What fills the air; where media overlap, their coefficients add.
     #[serde(default)]
     medium: Vec<MediumTable>,
+    /// Lamps; those of the mesh take part by themselves.
+    #[serde(default)]
+    light: Vec<LightTable>,
     /// How the scene is pictured when no flag says otherwise.
     picture: Option<PictureTable>,
 }
@@ -396,6 +400,13 @@ pub(super) fn load(
             }
             Filling::Air(air) => scene.air = Some(air),
         }
+    }
+    for (i, light) in file.light.into_iter().enumerate() {
+        let wrong = |key: &str, problem: String, remedy: &str| {
+            wrong(&format!("light[{i}].{key}"), problem, remedy)
+        };
+        let lamps = light.read(i, path, &scene.nodes, &wrong, &mut scene.warnings)?;
+        scene.lamps.extend(lamps);
     }
     if let Some(picture) = file.picture {
         scene.picture = PictureEntry {

@@ -24,9 +24,9 @@ mod tree;
 mod unused;
 mod uri;
 
-use super::Scene;
 use super::assembly::{Assembly, Piece};
 use super::text::shortened;
+use super::{NamedNode, Scene};
 use crate::error::Result;
 use camera::Cameras;
 use container::Gltf;
@@ -66,6 +66,18 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
             meshes.add(node, to_scene, &place, &mut notes)?;
             let lamp = light::of_node(&gltf, &lights, node, to_scene, &place, &mut notes)?;
             scene.lights.extend(lamp);
+            if let Some(name) = &node.name {
+                let instances = match node.extensions.contains_key(instances::NAME) {
+                    true => instances::read(&gltf, node, &place, &mut notes)?,
+                    false => vec![DAffine3::IDENTITY],
+                };
+                scene
+                    .nodes
+                    .extend(instances.iter().map(|instance| NamedNode {
+                        name: name.clone(),
+                        to_scene: to_scene * *instance,
+                    }));
+            }
         }
         if let Some(camera) = node.camera {
             cameras.add(&gltf, camera, node, to_scene, &place, &mut notes)?;

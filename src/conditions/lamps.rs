@@ -1,0 +1,390 @@
+//! Lamps as physics has them: where they are, what they shine with, and what stands before them.
+
+use crate::beam::Beam;
+use crate::colour::{Space, luminance};
+use crate::error::{Error, Result, nearest};
+use crate::photometry::{Distribution, Pose};
+use crate::scene::{Geometry, LampForm, PunctualKind, Ray, Scene};
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
+
+/// No place is nearer to a point of light than a micrometre [m2].
+const NEAREST: f64 = 1e-12;
+
+/// A lamp.
+#[derive(Clone)]
+pub struct Lamp {
+    /// Its name in the file.
+    pub name: String,
+    /// Where it is [m]: one end of a line, one corner of a rectangle, the middle of a sphere.
+    pub position: DVec3,
+    /// Its axis and where azimuth begins.
+    pub pose: Pose,
+    /// Of the whole lamp along its axis [cd], RGB in the working space; of a table a factor [1].
+    pub intensity: DVec3,
+    /// How intensity goes by direction.
+    pub distribution: Distribution,
+    /// What its light comes from.
+    pub form: LampForm,
+    /// What stands in the way of its light, where that is not all that stands in the way of light.
+    housed: Option<Arc<Geometry>>,
+}
+
+/// A place of a lamp that stands for a part of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// Where it is [m].
+    pub position: DVec3,
+    /// The side on which it shines, and whether the cosine with it counts; `None` where it shines all around.
+    pub side: Option<(DVec3, bool)>,
+    /// The part of the lamp's intensity that it has [1].
+    pub share: f64,
+    /// How far it stands for the lamp [m]: nearer than this it gets no brighter.
+    pub radius: f64,
+}
+
+impl Lamp {
+    /// All lamps of a scene: those of its file, then points and spots of its mesh.
+    pub(super) fn all(scene: &Scene) -> Result<Vec<Lamp>> {
+        let working = Space::Rec709.to_working();
+        let mut housed: Vec<(&str, Arc<Geometry>)> = Vec::new();
+        let mut lamps = Vec::with_capacity(scene.lamps.len() + scene.lights.len());
+        for entry in &scene.lamps {
+            let named = |what: &str| format!("light `{}`: {what}", entry.name);
+            let wrong = |what: &str, error: Error| {
+                Error::input(named(what), error.problem(), error.remedy())
+            };
+            entry
+                .distribution
+                .check()
+                .map_err(|e| wrong("distribution", e))?;
+            let pose =
+                Pose::new(entry.toward, entry.around).map_err(|e| wrong("toward, around", e))?;
+            check(&entry.name, entry.position, entry.intensity)?;
+            check_form(&entry.name, entry.form)?;
+            let without = match &entry.ignore {
+                None => None,
+                Some(material) => match housed.iter().find(|(name, _)| name == material) {
+                    Some((_, geometry)) => Some(geometry.clone()),
+                    None => {
+                        let names = scene.materials.iter().map(|m| m.name.as_str());
+                        if !names.clone().any(|name| name == material) {
+                            let remedy = match nearest(material, names) {
+                                Some(near) => format!("did you mean `{near}`?"),
+                                None => "the scene has no materials".to_owned(),
+                            };
+                            return Err(Error::input(
+                                named("ignore"),
+                                format!("the scene has no material `{material}`"),
+                                remedy,
+                            ));
+                        }
+                        let made = Arc::new(without(scene, material));
+                        housed.push((material, made.clone()));
+                        Some(made)
+                    }
+                },
+            };
+            lamps.push(Lamp {
+                name: entry.name.clone(),
+                position: entry.position,
+                pose,
+                intensity: (working * entry.intensity).max(DVec3::ZERO),
+                distribution: entry.distribution.clone(),
+                form: entry.form,
+                housed: without,
+            });
+        }
+        for light in &scene.lights {
+            let distribution = match light.kind {
+                PunctualKind::Directional => continue,
+                PunctualKind::Point => Distribution::Isotropic,
+                PunctualKind::Spot { inner, outer } => Distribution::Cone { inner, outer },
+            };
+            let wrong =
+                |e: Error| Error::input(format!("lamp `{}`", light.name), e.problem(), e.remedy());
+            distribution.check().map_err(wrong)?;
+            check(&light.name, light.position, light.color)?;
+            lamps.push(Lamp {
+                name: light.name.clone(),
+                position: light.position,
+                pose: Pose::new(light.direction, None).map_err(wrong)?,
+                intensity: (working * light.color).max(DVec3::ZERO),
+                distribution,
+                form: LampForm::Point,
+                housed: None,
+            });
+        }
+        lamps.retain(|lamp| luminance(lamp.intensity) > 0.0 && lamp.distribution.peak() > 0.0);
+        Ok(lamps)
+    }
+
+    /// What stands in the way of its light, of all that does.
+    pub fn geometry<'a>(&'a self, all: &'a Geometry) -> &'a Geometry {
+        self.housed.as_deref().unwrap_or(all)
+    }
+
+    /// Luminous intensity of a spot of it along a direction away from it, of any length [cd, RGB].
+    pub fn intensity(&self, spot: &Spot, direction: DVec3) -> DVec3 {
+        self.shape(spot, direction) * self.intensity
+    }
+
+    /// The same for a lamp of 1 cd.
+    pub fn shape(&self, spot: &Spot, direction: DVec3) -> f64 {
+        let before = match spot.side {
+            None => 1.0,
+            Some((side, counts)) => match side.dot(direction) {
+                cosine if cosine <= 0.0 => return 0.0,
+                cosine if counts => cosine / direction.length(),
+                _ => 1.0,
+            },
+        };
+        spot.share * before * self.distribution.intensity(&self.pose, direction)
+    }
+
+    /// The most that it sends in any direction [cd, luminance].
+    pub fn greatest_intensity(&self) -> f64 {
+        luminance(self.intensity) * self.distribution.peak()
+    }
+
+    /// The middle of it [m].
+    pub fn middle(&self) -> DVec3 {
+        match self.form {
+            LampForm::Point | LampForm::Sphere { .. } => self.position,
+            LampForm::Line { to } => 0.5 * (self.position + to),
+            LampForm::Rectangle { edges } => self.position + 0.5 * (edges[0] + edges[1]),
+        }
+    }
+
+    /// How far it reaches from its middle [m]; 0 of a point.
+    pub fn extent(&self) -> f64 {
+        match self.form {
+            LampForm::Point => 0.0,
+            LampForm::Sphere { radius } => radius,
+            LampForm::Line { to } => 0.5 * self.position.distance(to),
+            LampForm::Rectangle { edges: [a, b] } => 0.5 * (a + b).length().max((a - b).length()),
+        }
+    }
+
+    /// In how many directions it extends: 0 of a point, 1 of a line, 2 of a rectangle or a sphere.
+    pub fn dimensions(&self) -> u32 {
+        match self.form {
+            LampForm::Point => 0,
+            LampForm::Line { .. } => 1,
+            LampForm::Rectangle { .. } | LampForm::Sphere { .. } => 2,
+        }
+    }
+
+    /// The spot of a cell of the lamp, which is divided into the unit square: its lower corner and its size, each way, of one seen from a
+    /// place. Of a line the second counts for nothing, of a point neither.
+    ///
+    /// A sphere is as bright all over (Lambert 1760): it is divided into parts of equal solid angle of what the place sees of it.
+    pub fn spot(&self, low: [f64; 2], size: f64, from: DVec3) -> Spot {
+        let middle = low.map(|at| at + 0.5 * size);
+        let share = match self.dimensions() {
+            0 => 1.0,
+            1 => size,
+            _ => size * size,
+        };
+        match self.form {
+            LampForm::Point => Spot {
+                position: self.position,
+                side: None,
+                share,
+                radius: 0.0,
+            },
+            LampForm::Line { to } => Spot {
+                position: self.position.lerp(to, middle[0]),
+                side: None,
+                share,
+                radius: 0.5 * size * self.position.distance(to),
+            },
+            LampForm::Rectangle { edges: [a, b] } => {
+                let normal = a.cross(b).normalize_or_zero();
+                let side = normal * normal.dot(self.pose.toward).signum();
+                Spot {
+                    position: self.position + middle[0] * a + middle[1] * b,
+                    side: Some((side, false)),
+                    share,
+                    radius: 0.5 * size * a.cross(b).length().sqrt(),
+                }
+            }
+            LampForm::Sphere { radius } => {
+                let way = from - self.position;
+                let distance = way.length();
+                let Some(axis) = way.try_normalize().filter(|_| distance > radius) else {
+                    return Spot {
+                        position: self.position,
+                        side: None,
+                        share,
+                        radius,
+                    };
+                };
+                // The cone of directions from the place to the sphere, and the point of the sphere that each meets first.
+                let sin = radius / distance;
+                let one_minus_cos = sin * sin / (1.0 + (1.0 - sin * sin).sqrt());
+                let down = middle[0] * one_minus_cos;
+                let across = (down * (2.0 - down)).max(0.0).sqrt();
+                let (y, x) = (TAU * middle[1]).sin_cos();
+                let (u, v) = axis.any_orthonormal_pair();
+                let toward = (down - 1.0) * axis + across * (x * u + y * v);
+                let along = -way.dot(toward);
+                let inside = (radius * radius - (way + along * toward).length_squared()).max(0.0);
+                let position = from + (along - inside.sqrt()) * toward;
+                let square = position.distance_squared(from);
+                // L dw = I / (pi r^2) dw, as an intensity over the square of the distance.
+                let solid = TAU * one_minus_cos * share;
+                Spot {
+                    position,
+                    side: None,
+                    share: square * solid / (PI * radius * radius),
+                    radius: 0.0,
+                }
+            }
+        }
+    }
+
+    /// Places that stand for the whole lamp wherever it is seen from, `count` each way: a beam each.
+    pub fn spots(&self, count: u32) -> Vec<Spot> {
+        if let LampForm::Sphere { radius } = self.form {
+            // On the sphere itself, each as bright as the cosine has it: 4 cos(theta) of a part of the sphere adds up to 1 on each side.
+            let count = 2 * count * count;
+            let turn = PI * (3.0 - 5f64.sqrt());
+            let spot = |k: u32| {
+                let height = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+                let (y, x) = (turn * f64::from(k)).sin_cos();
+                let across = (1.0 - height * height).sqrt();
+                let side = DVec3::new(across * x, height, across * y);
+                Spot {
+                    position: self.position + radius * side,
+                    side: Some((side, true)),
+                    share: 4.0 / f64::from(count),
+                    radius: 2.0 * radius / f64::from(count).sqrt(),
+                }
+            };
+            return match count {
+                2 => vec![self.spot([0.0; 2], 1.0, self.position)],
+                _ => (0..count).map(spot).collect(),
+            };
+        }
+        let size = 1.0 / f64::from(count);
+        let (across, down) = match self.dimensions() {
+            0 => return vec![self.spot([0.0; 2], 1.0, self.position)],
+            1 => (count, 1),
+            _ => (count, count),
+        };
+        let cells = (0..down).flat_map(|j| (0..across).map(move |i| [i, j]));
+        cells
+            .map(|cell| self.spot(cell.map(|at| size * f64::from(at)), size, self.position))
+            .collect()
+    }
+
+    /// Illuminance of a spot on a plane that faces it, if nothing stands in the way [lx, RGB].
+    pub fn illuminance(&self, spot: &Spot, point: DVec3) -> DVec3 {
+        let way = point - spot.position;
+        let square = way.length_squared().max(spot.radius * spot.radius);
+        self.intensity(spot, way) / square.max(NEAREST)
+    }
+
+    /// A spot as a beam of 1 cd all around.
+    pub fn beam(spot: &Spot) -> Beam {
+        Beam::Local {
+            position: spot.position,
+            intensity: DVec3::ONE,
+            radius: spot.radius,
+        }
+    }
+
+    /// Places of a ray [m], in order, where it may enter or leave what a spot shines on: its cone, and its side.
+    pub fn bends(&self, spot: &Spot, ray: &Ray) -> Vec<f64> {
+        let half = self.distribution.cone();
+        let of_cone = (half < PI).then_some((self.pose.toward, half));
+        let of_side = spot.side.map(|(side, _)| (side, FRAC_PI_2));
+        let borders = of_cone.into_iter().chain(of_side);
+        let mut bends: Vec<f64> = borders
+            .flat_map(|(axis, half)| cone(spot.position, axis, half, ray))
+            .flatten()
+            .collect();
+        bends.sort_unstable_by(f64::total_cmp);
+        bends
+    }
+
+    /// Whether a spot shines toward a place at all, for all that its cone and its side say.
+    pub fn faces(&self, spot: &Spot, point: DVec3) -> bool {
+        let way = point - spot.position;
+        let before = spot.side.is_none_or(|(side, _)| side.dot(way) > 0.0);
+        before && self.pose.angles(way).0 <= self.distribution.cone()
+    }
+}
+
+/// Where a ray crosses a cone of a half angle [rad] around an axis, or its other half behind the apex [m].
+fn cone(apex: DVec3, axis: DVec3, half: f64, ray: &Ray) -> [Option<f64>; 2] {
+    // (p . axis)^2 = cos^2 |p|^2, from the ray's point nearest to the apex: there the linear terms are small.
+    let foot = (apex - ray.origin).dot(ray.direction);
+    let base = ray.at(foot) - apex;
+    let (along, rise) = (base.dot(axis), ray.direction.dot(axis));
+    let square = half.cos().powi(2);
+    let a = rise * rise - square;
+    let b = rise * along;
+    let c = along * along - square * base.length_squared();
+    // b^2 - a c, without taking nearly equal numbers from each other where the cone is a plane.
+    let under = square * (along * along + base.length_squared() * a);
+    if under < 0.0 {
+        return [None; 2];
+    }
+    let q = -(b + b.signum() * under.sqrt());
+    let root = |top: f64, under: f64| Some(foot + top / under).filter(|t| t.is_finite());
+    [root(q, a), root(c, q)]
+}
+
+/// The casters of a scene but those of a material.
+fn without(scene: &Scene, material: &str) -> Geometry {
+    let mut rest = Scene {
+        mesh: scene.mesh.clone(),
+        materials: scene.materials.clone(),
+        textures: scene.textures.clone(),
+        ..Scene::default()
+    };
+    let is_kept = |index: u32| scene.materials[index as usize].name != material;
+    rest.mesh.triangles.retain(|t| is_kept(t.material));
+    Geometry::new(&rest)
+}
+
+fn check(name: &str, position: DVec3, intensity: DVec3) -> Result<()> {
+    if !super::checks::near(position) {
+        return Err(Error::domain(
+            format!("light `{name}`: position"),
+            format!("{position} m"),
+            "-1e9 to 1e9 m in each coordinate",
+            "give metres in the scene's axes",
+        ));
+    }
+    if !(intensity.min_element() >= 0.0 && intensity.max_element() <= 1e15) {
+        return Err(Error::domain(
+            format!("light `{name}`: intensity"),
+            format!("{intensity} cd"),
+            "0 to 1e15 cd",
+            "give candela; for a table, a factor",
+        ));
+    }
+    Ok(())
+}
+
+fn check_form(name: &str, form: LampForm) -> Result<()> {
+    let is_good = match form {
+        LampForm::Point => true,
+        LampForm::Line { to } => super::checks::near(to),
+        LampForm::Rectangle { edges } => edges.into_iter().all(super::checks::near),
+        LampForm::Sphere { radius } => radius > 0.0 && radius <= 1e6,
+    };
+    match is_good {
+        true => Ok(()),
+        false => Err(Error::domain(
+            format!("light `{name}`: its extent"),
+            format!("{form:?}"),
+            "up to 1e9 m, and a radius above 0 up to 1e6 m",
+            "give metres in the scene's axes",
+        )),
+    }
+}

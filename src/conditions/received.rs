@@ -1,0 +1,204 @@
+//! What a place receives from lamps, with exact shadows.
+//!
+//! A point is one shadow ray in f64. A line, a rectangle or a sphere is divided: cells are halved each way until what they differ by
+//! is below a share of the lamp's light, so that penumbrae have no noise and no steps wider than that share.
+//!
+//! Lamps are gone through by the light that they would give if nothing stood in the way; the last, which together could add less than
+//! a share of what the others do, are left out.
+
+use super::Conditions;
+use super::lamps::{Lamp, Spot};
+use crate::colour::luminance;
+use crate::scene::Ray;
+use glam::DVec3;
+
+/// How far lamps are divided, and how many left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Care {
+    /// Parts of a lamp with an extent, each way, before they are divided; at least 1.
+    pub cells: u32,
+    /// Share of a lamp's light by which its finest parts may differ [1].
+    pub share: f64,
+    /// Share of the light that the weakest lamps together could add and are left out for [1].
+    pub left_out: f64,
+}
+
+impl Care {
+    /// For means over patches, which many places add up to.
+    pub const COARSE: Care = Care {
+        cells: 1,
+        share: 5e-2,
+        left_out: 1e-3,
+    };
+}
+
+/// A place that receives light.
+pub struct Place {
+    /// Where it is [m].
+    pub position: DVec3,
+    /// From where shadow rays leave it [m].
+    pub origin: DVec3,
+    /// What shadow rays meet nearer than this is the place itself [m].
+    pub near: f64,
+    /// Unit normal of the triangle.
+    pub facet: DVec3,
+    /// Unit normal that shading uses.
+    pub normal: DVec3,
+}
+
+impl Place {
+    /// The cosine of the angle at which light from a way away comes in, 0 from behind.
+    fn cosine(&self, toward: DVec3) -> f64 {
+        match self.facet.dot(toward) > 0.0 {
+            true => self.normal.dot(toward).max(0.0),
+            false => 0.0,
+        }
+    }
+}
+
+/// What a place receives from all lamps [lx, RGB].
+pub fn received(
+    conditions: &Conditions,
+    place: &Place,
+    care: &Care,
+    order: &mut Vec<(f64, usize)>,
+) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    if let [lamp] = &conditions.lamps[..] {
+        return of_lamp(conditions, lamp, place, care);
+    }
+    order.clear();
+    order.extend(conditions.lamps.iter().enumerate().filter_map(|(i, lamp)| {
+        let most = at_most(lamp, place);
+        (most > 0.0).then_some((most, i))
+    }));
+    order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut rest: f64 = order.iter().map(|(most, _)| most).sum();
+    for (most, index) in order.iter() {
+        if rest <= care.left_out * luminance(sum) {
+            break;
+        }
+        sum += of_lamp(conditions, &conditions.lamps[*index], place, care);
+        rest -= most;
+    }
+    sum
+}
+
+/// The most that a place receives from a lamp [lx, luminance].
+fn at_most(lamp: &Lamp, place: &Place) -> f64 {
+    let way = lamp.middle() - place.position;
+    if lamp.dimensions() == 0 {
+        let spot = lamp.spot([0.0; 2], 1.0, place.position);
+        let toward = way.normalize_or_zero();
+        return place.cosine(toward) * luminance(lamp.illuminance(&spot, place.position));
+    }
+    let nearest = (way.length() - lamp.extent()).max(0.1 * lamp.extent());
+    lamp.greatest_intensity() / (nearest * nearest)
+}
+
+/// What a place receives from one lamp [lx, RGB].
+fn of_lamp(conditions: &Conditions, lamp: &Lamp, place: &Place, care: &Care) -> DVec3 {
+    let of_spot = |low: [f64; 2], size: f64| {
+        let spot = lamp.spot(low, size, place.position);
+        of_spot(conditions, lamp, &spot, place)
+    };
+    if lamp.dimensions() == 0 {
+        return of_spot([0.0; 2], 1.0);
+    }
+    let size = 1.0 / f64::from(care.cells);
+    let down = match lamp.dimensions() {
+        1 => 1,
+        _ => care.cells,
+    };
+    let places = (0..down).flat_map(|j| (0..care.cells).map(move |i| [i, j]));
+    // Each first cell by its quarters.
+    let mut open: Vec<([[f64; 2]; 4], [DVec3; 4], f64)> = Vec::new();
+    let quarters = |low: [f64; 2], size: f64| {
+        let half = 0.5 * size;
+        let corner = |i: u32| {
+            [
+                low[0] + f64::from(i % 2) * half,
+                low[1] + f64::from(i / 2) * half,
+            ]
+        };
+        let lows = [0, 1, 2, 3].map(corner);
+        let values = match lamp.dimensions() {
+            1 => {
+                let [a, b] = [0, 1].map(|i| of_spot(lows[i], half));
+                [a, b, DVec3::ZERO, DVec3::ZERO]
+            }
+            _ => lows.map(|low| of_spot(low, half)),
+        };
+        (lows, values, half)
+    };
+    for cell in places {
+        open.push(quarters(cell.map(|at| size * f64::from(at)), size));
+    }
+    let count = match lamp.dimensions() {
+        1 => 2,
+        _ => 4,
+    };
+    let mut scale: f64 = open
+        .iter()
+        .flat_map(|(_, values, _)| values)
+        .map(|value| value.max_element())
+        .sum();
+    let mut sum = DVec3::ZERO;
+    while let Some((lows, values, half)) = open.pop() {
+        let values = &values[..count];
+        let most = values.iter().map(|v| v.max_element()).fold(0.0, f64::max);
+        let least = values
+            .iter()
+            .map(|v| v.max_element())
+            .fold(f64::INFINITY, f64::min);
+        if most - least <= care.share * scale || half < FINEST {
+            sum += values.iter().sum::<DVec3>();
+            continue;
+        }
+        for low in &lows[..count] {
+            let finer = quarters(*low, half);
+            // A part that is brighter than the first look promised is measured by what there is.
+            scale = scale.max(finer.1.iter().map(|v| v.max_element()).sum());
+            open.push(finer);
+        }
+    }
+    sum
+}
+
+/// No part of a lamp is smaller than this, as a share of it each way.
+const FINEST: f64 = 1.0 / 512.0;
+
+/// What a place receives from one spot of a lamp [lx, RGB].
+fn of_spot(conditions: &Conditions, lamp: &Lamp, spot: &Spot, place: &Place) -> DVec3 {
+    let way = spot.position - place.position;
+    let distance = way.length();
+    let Some(toward) = way.try_normalize() else {
+        return DVec3::ZERO;
+    };
+    let cosine = place.cosine(toward);
+    if cosine == 0.0 {
+        return DVec3::ZERO;
+    }
+    let light = cosine * lamp.illuminance(spot, place.position);
+    if light == DVec3::ZERO {
+        return DVec3::ZERO;
+    }
+    let ray = Ray {
+        origin: place.origin,
+        direction: toward,
+    };
+    let geometry = lamp.geometry(&conditions.geometry);
+    // A lamp on a surface is not behind it.
+    let far = distance * (1.0 - ON_SURFACE) - place.near;
+    let through = geometry.transmittance(&ray, place.near, far);
+    if through == 0.0 {
+        return DVec3::ZERO;
+    }
+    let depth = conditions
+        .air
+        .optical_depth(place.position, toward, distance);
+    through * light * (-depth).exp()
+}
+
+/// What is nearer to a lamp than this share of its distance does not shade it.
+const ON_SURFACE: f64 = 1e-9;

@@ -1,0 +1,188 @@
+//! Light of lamps scattered once by the air toward the eye: cones, glows.
+//!
+//! L = sum over lamps of integral over the ray of sum_i sigma_s,i p_i(mu) I(direction) e^-(tau_eye + tau_lamp) V / d^2 dt. The part of
+//! the ray that a lamp's cone and side leave is found first: a ray that meets none costs nothing more. On it the fan between lamp and
+//! ray gives the exact lit runs ([`crate::scene::curtain`]), and each is integrated in the angle that the lamp sees
+//! ([`crate::medium::LocalScattering`]), in which nothing peaks however near the lamp is. A lamp with an extent is as many points as `points`
+//! says.
+//!
+//! Lamps are gone through by the most that they could add; the last, which together could add less than a share of what the others
+//! do, are left out. Light that is scattered more than once is neglected.
+
+use super::surface_lamps::{LEFT_OUT, NO_LAMPS, counted};
+use super::{Contribution, Decision, Effect, Field, Knob};
+use crate::colour::luminance;
+use crate::conditions::Conditions;
+use crate::conditions::lamps::{Lamp, Spot};
+use crate::medium::{LocalScattering, Shape};
+use crate::scene::Ray;
+use crate::scene::shade::Shade;
+use glam::DVec3;
+
+/// Light of lamps in the air.
+pub const AIR_LAMPS: Effect = Effect {
+    name: "air_lamps",
+    summary: "light of lamps that the air scatters to the eye",
+    reads: &[Field::Surface],
+    writes: &[Field::InscatterLights],
+    knobs: &[
+        Knob {
+            name: "points",
+            meaning: "points, each way, that stand for a lamp with an extent",
+            values: [1.0, 2.0, 4.0, 8.0],
+            range: [1.0, 64.0],
+        },
+        Knob {
+            name: "error",
+            meaning: "relative error of the integral over a lit run",
+            values: [1e-3, 1e-4, 1e-5, 1e-7],
+            range: [1e-9, 0.1],
+        },
+        LEFT_OUT,
+    ],
+    decide,
+    reference: |conditions, settings, _| {
+        let points = settings.get("points") as u32;
+        let (error, left_out) = (settings.get("error"), settings.get("left_out"));
+        let spots: Vec<(&Lamp, Spot)> = conditions
+            .lamps
+            .iter()
+            .flat_map(|lamp| lamp.spots(points).into_iter().map(move |spot| (lamp, spot)))
+            .collect();
+        Ok(Box::new(move |fields| {
+            let mut met = Vec::new();
+            let mut shades = Vec::new();
+            fields.update(Field::InscatterLights, |ray, _, surface, present| {
+                let end = conditions.air.end(ray.origin, ray.direction);
+                let end = surface.distance.min(end);
+                if end <= 0.0 {
+                    return present;
+                }
+                met.clear();
+                met.extend(spots.iter().filter_map(|(lamp, spot)| {
+                    let span = illuminated(lamp, spot, ray, end)?;
+                    let most = at_most(conditions, lamp, spot, ray, span);
+                    (most > 0.0).then_some((most, *lamp, *spot, span))
+                }));
+                met.sort_by(|a, b| b.0.total_cmp(&a.0));
+                let mut rest: f64 = met.iter().map(|(most, ..)| most).sum();
+                let mut sum = DVec3::ZERO;
+                for (most, lamp, spot, span) in &met {
+                    if rest <= left_out * luminance(sum) {
+                        break;
+                    }
+                    sum += scattered(conditions, lamp, spot, ray, *span, error, &mut shades);
+                    rest -= most;
+                }
+                present + sum
+            });
+        }))
+    },
+    ..Effect::NOTHING
+};
+
+fn decide(conditions: &Conditions) -> Decision {
+    if conditions.lamps.is_empty() {
+        return Decision::nothing(NO_LAMPS);
+    }
+    let media = &conditions.air.media;
+    if media.is_empty() {
+        return Decision::nothing("the scene has no medium: nothing scatters light");
+    }
+    if media.iter().all(|m| m.scattering.max_element() == 0.0) {
+        return Decision::nothing("no medium scatters light");
+    }
+    let strongest = media.iter().map(|m| m.phase.peak()).fold(0.0, f64::max);
+    let lit = -(-conditions.greatest_optical_depth()).exp_m1();
+    Decision::run(
+        format!(
+            "{} in {}",
+            counted(conditions.lamps.len()),
+            conditions.media_phrase()
+        ),
+        Contribution::Estimate(strongest * lit * conditions.typical_lamp_light()),
+    )
+}
+
+/// The part of the first `end` metres of a ray on which a spot may shine.
+fn illuminated(lamp: &Lamp, spot: &Spot, ray: &Ray, end: f64) -> Option<[f64; 2]> {
+    let bends = lamp.bends(spot, ray);
+    let inner = bends.iter().copied().filter(|t| *t > 0.0 && *t < end);
+    let mut hull: Option<[f64; 2]> = None;
+    let mut from = 0.0;
+    for to in inner.chain([end]) {
+        if lamp.faces(spot, ray.at(0.5 * (from + to))) {
+            hull = Some([hull.map_or(from, |[first, _]| first), to]);
+        }
+        from = to;
+    }
+    hull.filter(|[from, to]| to > from)
+}
+
+/// The most that a spot adds on a span of a ray [cd/m2, luminance]: nothing in the way, no air that takes light.
+fn at_most(
+    conditions: &Conditions,
+    lamp: &Lamp,
+    spot: &Spot,
+    ray: &Ray,
+    [from, to]: [f64; 2],
+) -> f64 {
+    let lowest = ray.at(from).y.min(ray.at(to).y);
+    let coefficient = |medium: &crate::medium::Medium| {
+        let density = match medium.shape {
+            Shape::Height {
+                base, scale_height, ..
+            }
+            | Shape::Air {
+                base, scale_height, ..
+            } => ((base - lowest) / scale_height).exp(),
+            _ => 1.0,
+        };
+        density * medium.scattering.max_element() * medium.phase.peak()
+    };
+    let coefficient: f64 = conditions.air.media.iter().map(coefficient).sum();
+    let foot = (spot.position - ray.origin).dot(ray.direction);
+    let aside = (ray.at(foot) - spot.position).length().max(spot.radius);
+    let angle = (to - foot).atan2(aside) - (from - foot).atan2(aside);
+    // Where the ray passes the lamp itself there is no bound.
+    lamp.greatest_intensity() * spot.share * coefficient * (angle / aside)
+}
+
+/// What a spot adds on a span of a ray [cd/m2, RGB].
+fn scattered(
+    conditions: &Conditions,
+    lamp: &Lamp,
+    spot: &Spot,
+    ray: &Ray,
+    [from, to]: [f64; 2],
+    error: f64,
+    shades: &mut Vec<Shade>,
+) -> DVec3 {
+    let part = Ray {
+        origin: ray.at(from),
+        direction: ray.direction,
+    };
+    let geometry = lamp.geometry(&conditions.geometry);
+    geometry.shades(&part, to - from, &[Lamp::beam(spot)], shades);
+    let lit = shades.first().map(|shade| shade.lit(to - from));
+    let lit = lit.unwrap_or_default();
+    if lit.is_empty() {
+        return DVec3::ZERO;
+    }
+    let pattern = |direction: DVec3| lamp.shape(spot, direction);
+    let bends = lamp.bends(spot, ray);
+    let scattering = LocalScattering::new(
+        &conditions.air,
+        ray.origin,
+        ray.direction,
+        to,
+        spot.position,
+        spot.radius,
+    )
+    .shaped(&pattern, &bends, error);
+    let sum: DVec3 = lit
+        .iter()
+        .map(|([a, b], pass)| *pass * scattering.integrate(from + a, from + b))
+        .sum();
+    lamp.intensity * sum
+}
