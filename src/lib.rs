@@ -44,6 +44,7 @@
 //! | [`colour`] | spectra, CIE 1931, RGB spaces, exposure, display transform |
 //! | [`ephemeris`] | where the sun is, in four tiers of accuracy; times and zones as people write them |
 //! | [`sky`] | sky models, twilight, the sun's light, dome patches |
+//! | [`photometry`] | luminous intensity of lamps by direction: formulas, IES and EULUMDAT files |
 //! | [`medium`] | phase functions, densities, optical depth and its integrals |
 //! | [`scene`] | geometry, materials, cameras, loading, what stands in the way of light |
 //! | [`frame`] | what a backend makes, and the one table of fields and layers |
@@ -78,6 +79,7 @@ pub mod frame;
 pub mod medium;
 pub mod memory;
 pub mod output;
+pub mod photometry;
 pub mod plan;
 pub mod radiosity;
 pub mod scene;

@@ -11,7 +11,7 @@ use tyndall::effect::{self, Over};
 use wgpu::naga;
 
 /// The modules of the library: each uses only those before it. The documentation of the crate lists them in the same order.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "split_mix",
     "units",
     "error",
@@ -22,6 +22,7 @@ const ORDER: [&str; 21] = [
     "colour",
     "ephemeris",
     "sky",
+    "photometry",
     "medium",
     "scene",
     "frame",
