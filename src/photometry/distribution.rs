@@ -64,6 +64,14 @@ pub enum Distribution {
         /// Sharpness q of the edge [1].
         sharpness: f64,
     },
+    /// The cone of a spot light of glTF (KHR_lights_punctual): full strength within `inner`, nothing outside `outer`, and in between
+    /// ((cos theta - cos outer) / max(0.001, cos inner - cos outer))^2, as the extension has it.
+    Cone {
+        /// Half angle of full strength [rad], 0 to `outer`.
+        inner: f64,
+        /// Half angle at which it ends [rad], 0 to pi / 2.
+        outer: f64,
+    },
     /// Measured values, [cd] instead of relative ones.
     Table(Arc<Table>),
 }
@@ -79,6 +87,17 @@ impl Distribution {
     pub fn check(&self) -> Result<()> {
         match *self {
             Distribution::Isotropic | Distribution::Table(_) => Ok(()),
+            Distribution::Cone { inner, outer } => {
+                match 0.0 <= inner && inner <= outer && outer <= FRAC_PI_2 {
+                    true => Ok(()),
+                    false => Err(Error::domain(
+                        "the cone",
+                        format!("{} to {} degrees", inner.to_degrees(), outer.to_degrees()),
+                        "0 to 90 degrees, the inner angle not above the outer one",
+                        "give the angles of the spot light in this order",
+                    )),
+                }
+            }
             Distribution::NishitaSpot { spread, sharpness } => {
                 check_spread(spread).and_then(|()| check_sharpness(sharpness))
             }
@@ -170,6 +189,7 @@ impl Distribution {
             Distribution::Elliptical { spread, sharpness } => {
                 beam(theta, elliptical_spread(spread, phi), sharpness)
             }
+            Distribution::Cone { inner, outer } => falloff(theta, inner, outer),
             Distribution::Table(ref table) => table.intensity(theta, phi),
         }
     }
@@ -188,6 +208,7 @@ impl Distribution {
             | Distribution::Daisy { spread, .. }
             | Distribution::PolkaDots { spread, .. } => spread,
             Distribution::Elliptical { spread: [a, b], .. } => a.max(b),
+            Distribution::Cone { outer, .. } => outer,
             Distribution::Table(ref table) => table.cone(),
         }
     }
@@ -243,6 +264,13 @@ impl Distribution {
                 let solid = |phi: f64| 2.0 * (0.5 * elliptical_spread(spread, phi)).sin().powi(2);
                 0.5 * (1.0 + sharpness) * 4.0 * integral(0.0, FRAC_PI_2, &solid)
             }
+            Distribution::Cone { inner, outer } => {
+                // With x = cos theta the falloff is the square of a line from cos outer to where it is 1.
+                let width = difference_of_cosines(inner, outer).max(LEAST_FALLOFF);
+                let whole = 2.0 * (0.5 * outer).sin().powi(2);
+                let sloped = whole.min(width);
+                TAU * (sloped.powi(3) / (3.0 * width * width) + (whole - sloped))
+            }
             Distribution::Table(ref table) => table.flux(),
         }
     }
@@ -260,6 +288,21 @@ fn beam(theta: f64, spread: f64, sharpness: f64) -> f64 {
     let half = (0.5 * spread).sin();
     let inside = (0.5 * (spread + theta)).sin() / half * ((0.5 * (spread - theta)).sin() / half);
     (1.0 - sharpness) * inside + sharpness
+}
+
+/// The least difference of cosines over which a spot of glTF fades [1], from the extension's text.
+const LEAST_FALLOFF: f64 = 1e-3;
+
+/// cos(a) - cos(b) without taking nearly equal numbers from each other.
+fn difference_of_cosines(a: f64, b: f64) -> f64 {
+    2.0 * (0.5 * (a + b)).sin() * (0.5 * (b - a)).sin()
+}
+
+/// The falloff of a spot of glTF.
+fn falloff(theta: f64, inner: f64, outer: f64) -> f64 {
+    let width = difference_of_cosines(inner, outer).max(LEAST_FALLOFF);
+    let share = difference_of_cosines(theta, outer) / width;
+    share.clamp(0.0, 1.0).powi(2)
 }
 
 /// Equation 8, a distance from where it is 1 in periods.
