@@ -81,8 +81,9 @@ fn on_gpu() -> &'static Effect {
 }
 
 fn with(own: &'static Effect) -> Vec<&'static Effect> {
-    let (last, before) = ALL.split_last().expect("there are effects");
-    [before, &[own, *last]].concat()
+    let compose = ALL.iter().position(|effect| effect.name == "compose");
+    let (before, after) = ALL.split_at(compose.expect("there is compose"));
+    [before, &[own], after].concat()
 }
 
 fn plan<'c>(conditions: &'c Conditions, own: &'static Effect, strength: f64) -> Plan<'c> {

@@ -176,12 +176,11 @@ impl Lamp {
         }
     }
 
-    /// The spot of a cell of the lamp, which is divided into the unit square: its lower corner and its size, each way, of one seen from a
-    /// place. Of a line the second counts for nothing, of a point neither.
+    /// The spot of a part of the lamp, which is laid out on the unit square: where it is there, and its size, each way, as seen from a
+    /// place. Of a line the second coordinate counts for nothing, of a point neither.
     ///
     /// A sphere is as bright all over (Lambert 1760): it is divided into parts of equal solid angle of what the place sees of it.
-    pub fn spot(&self, low: [f64; 2], size: f64, from: DVec3) -> Spot {
-        let middle = low.map(|at| at + 0.5 * size);
+    pub fn spot(&self, at: [f64; 2], size: f64, from: DVec3) -> Spot {
         let share = match self.dimensions() {
             0 => 1.0,
             1 => size,
@@ -195,7 +194,7 @@ impl Lamp {
                 radius: 0.0,
             },
             LampForm::Line { to } => Spot {
-                position: self.position.lerp(to, middle[0]),
+                position: self.position.lerp(to, at[0]),
                 side: None,
                 share,
                 radius: 0.5 * size * self.position.distance(to),
@@ -204,7 +203,7 @@ impl Lamp {
                 let normal = a.cross(b).normalize_or_zero();
                 let side = normal * normal.dot(self.pose.toward).signum();
                 Spot {
-                    position: self.position + middle[0] * a + middle[1] * b,
+                    position: self.position + at[0] * a + at[1] * b,
                     side: Some((side, false)),
                     share,
                     radius: 0.5 * size * a.cross(b).length().sqrt(),
@@ -224,9 +223,9 @@ impl Lamp {
                 // The cone of directions from the place to the sphere, and the point of the sphere that each meets first.
                 let sin = radius / distance;
                 let one_minus_cos = sin * sin / (1.0 + (1.0 - sin * sin).sqrt());
-                let down = middle[0] * one_minus_cos;
+                let down = at[0] * one_minus_cos;
                 let across = (down * (2.0 - down)).max(0.0).sqrt();
-                let (y, x) = (TAU * middle[1]).sin_cos();
+                let (y, x) = (TAU * at[1]).sin_cos();
                 let (u, v) = axis.any_orthonormal_pair();
                 let toward = (down - 1.0) * axis + across * (x * u + y * v);
                 let along = -way.dot(toward);
@@ -264,19 +263,25 @@ impl Lamp {
                 }
             };
             return match count {
-                2 => vec![self.spot([0.0; 2], 1.0, self.position)],
+                2 => vec![self.spot([0.5; 2], 1.0, self.position)],
                 _ => (0..count).map(spot).collect(),
             };
         }
         let size = 1.0 / f64::from(count);
         let (across, down) = match self.dimensions() {
-            0 => return vec![self.spot([0.0; 2], 1.0, self.position)],
+            0 => return vec![self.spot([0.5; 2], 1.0, self.position)],
             1 => (count, 1),
             _ => (count, count),
         };
         let cells = (0..down).flat_map(|j| (0..across).map(move |i| [i, j]));
         cells
-            .map(|cell| self.spot(cell.map(|at| size * f64::from(at)), size, self.position))
+            .map(|cell| {
+                self.spot(
+                    cell.map(|at| size * (f64::from(at) + 0.5)),
+                    size,
+                    self.position,
+                )
+            })
             .collect()
     }
 

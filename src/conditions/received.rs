@@ -88,7 +88,7 @@ pub fn received(
 fn at_most(lamp: &Lamp, place: &Place) -> f64 {
     let way = lamp.middle() - place.position;
     if lamp.dimensions() == 0 {
-        let spot = lamp.spot([0.0; 2], 1.0, place.position);
+        let spot = lamp.spot([0.5; 2], 1.0, place.position);
         let toward = way.normalize_or_zero();
         return place.cosine(toward) * luminance(lamp.illuminance(&spot, place.position));
     }
@@ -98,72 +98,62 @@ fn at_most(lamp: &Lamp, place: &Place) -> f64 {
 
 /// What a place receives from one lamp [lx, RGB].
 fn of_lamp(conditions: &Conditions, lamp: &Lamp, place: &Place, care: &Care) -> DVec3 {
-    let of_spot = |low: [f64; 2], size: f64| {
-        let spot = lamp.spot(low, size, place.position);
+    let of_part = |at: [f64; 2], size: f64| {
+        let spot = lamp.spot(at, size, place.position);
         of_spot(conditions, lamp, &spot, place)
     };
-    if lamp.dimensions() == 0 {
-        return of_spot([0.0; 2], 1.0);
-    }
-    let size = 1.0 / f64::from(care.cells);
-    let down = match lamp.dimensions() {
-        1 => 1,
-        _ => care.cells,
-    };
-    let places = (0..down).flat_map(|j| (0..care.cells).map(move |i| [i, j]));
-    // Each first cell by its quarters.
-    let mut open: Vec<([[f64; 2]; 4], [DVec3; 4], f64)> = Vec::new();
-    let quarters = |low: [f64; 2], size: f64| {
-        let half = 0.5 * size;
-        let corner = |i: u32| {
-            [
-                low[0] + f64::from(i % 2) * half,
-                low[1] + f64::from(i / 2) * half,
-            ]
-        };
-        let lows = [0, 1, 2, 3].map(corner);
-        let values = match lamp.dimensions() {
-            1 => {
-                let [a, b] = [0, 1].map(|i| of_spot(lows[i], half));
-                [a, b, DVec3::ZERO, DVec3::ZERO]
-            }
-            _ => lows.map(|low| of_spot(low, half)),
-        };
-        (lows, values, half)
-    };
-    for cell in places {
-        open.push(quarters(cell.map(|at| size * f64::from(at)), size));
-    }
     let count = match lamp.dimensions() {
+        0 => return of_part([0.5; 2], 1.0),
         1 => 2,
         _ => 4,
     };
-    let mut scale: f64 = open
-        .iter()
-        .flat_map(|(_, values, _)| values)
-        .map(|value| value.max_element())
-        .sum();
+    // A cell by its Gauss nodes: two each way.
+    let cell = |low: [f64; 2], size: f64| {
+        let half = 0.5 * size;
+        let mut values = [DVec3::ZERO; 4];
+        for (i, value) in values[..count].iter_mut().enumerate() {
+            let at = [i % 2, i / 2].map(|k| half + half * [-NODE, NODE][k]);
+            *value = of_part([low[0] + at[0], low[1] + at[1]], half);
+        }
+        (low, size, values)
+    };
+    let size = 1.0 / f64::from(care.cells);
+    let down = if count == 2 { 1 } else { care.cells };
+    let mut open: Vec<_> = (0..down)
+        .flat_map(|j| (0..care.cells).map(move |i| [i, j]))
+        .map(|at| cell(at.map(|k| size * f64::from(k)), size))
+        .collect();
+    let strength = |values: &[DVec3]| values.iter().map(|v| v.max_element()).sum::<f64>();
+    let mut scale: f64 = open.iter().map(|(_, _, values)| strength(values)).sum();
     let mut sum = DVec3::ZERO;
-    while let Some((lows, values, half)) = open.pop() {
+    while let Some((low, size, values)) = open.pop() {
         let values = &values[..count];
-        let most = values.iter().map(|v| v.max_element()).fold(0.0, f64::max);
-        let least = values
-            .iter()
-            .map(|v| v.max_element())
-            .fold(f64::INFINITY, f64::min);
-        if most - least <= care.share * scale || half < FINEST {
+        let each = values.iter().map(|v| v.max_element());
+        let most = each.clone().fold(0.0, f64::max);
+        let least = each.fold(f64::INFINITY, f64::min);
+        if most - least <= care.share * scale || size < FINEST {
             sum += values.iter().sum::<DVec3>();
             continue;
         }
-        for low in &lows[..count] {
-            let finer = quarters(*low, half);
+        let half = 0.5 * size;
+        for i in 0..count {
+            let finer = cell(
+                [
+                    low[0] + half * (i % 2) as f64,
+                    low[1] + half * (i / 2) as f64,
+                ],
+                half,
+            );
             // A part that is brighter than the first look promised is measured by what there is.
-            scale = scale.max(finer.1.iter().map(|v| v.max_element()).sum());
+            scale = scale.max(strength(&finer.2));
             open.push(finer);
         }
     }
     sum
 }
+
+/// Gauss-Legendre nodes of two points lie so far from the middle, in halves of the whole: 1 / sqrt(3).
+const NODE: f64 = 0.577_350_269_189_625_8;
 
 /// No part of a lamp is smaller than this, as a share of it each way.
 const FINEST: f64 = 1.0 / 512.0;

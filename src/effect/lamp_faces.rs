@@ -25,6 +25,9 @@ pub const LAMP_FACES: Effect = Effect {
         if conditions.lamps.is_empty() {
             return Decision::nothing(NO_LAMPS);
         }
+        if conditions.view.points().is_some() {
+            return Decision::nothing("points receive light, they see no lamp");
+        }
         let faces = conditions.lamps.iter().filter_map(brightest);
         let (count, most) = faces.fold((0, 0.0f64), |(n, most), face| (n + 1, most.max(face)));
         if count == 0 {

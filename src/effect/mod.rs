@@ -112,7 +112,8 @@
 //! # fn main() -> tyndall::Result<()> {
 //! // An effect of the project itself stands in `ALL`, in `src/effect/all.rs`; one of your own is given to the plan.
 //! let mut effects = ALL.to_vec();
-//! effects.insert(effects.len() - 1, &GLOW);
+//! let compose = effects.iter().position(|effect| effect.name == "compose");
+//! effects.insert(compose.unwrap_or(effects.len()), &GLOW);
 //! let request = Request { size: Some([24, 15]), samples: Some(1), ..Request::default() };
 //! let conditions = Conditions::new(Scene::builtin("nave")?, &request)?;
 //! let plan = Plan::with(&conditions, &Overrules::default(), &effects)?;

@@ -13,10 +13,11 @@ use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{Camera, Scene};
 use tyndall::studies::scenes::{cuboid, fog};
 
-/// The effects of the project with others before the last, which takes light through the air to the eye.
+/// The effects of the project with others before that which takes light through the air to the eye.
 pub fn with(own: &[&'static Effect]) -> Vec<&'static Effect> {
-    let (last, before) = ALL.split_last().expect("there are effects");
-    [before, own, &[*last]].concat()
+    let compose = ALL.iter().position(|effect| effect.name == "compose");
+    let (before, after) = ALL.split_at(compose.expect("there is compose"));
+    [before, own, after].concat()
 }
 
 pub fn plan<'c>(
