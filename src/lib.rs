@@ -38,6 +38,7 @@
 //! | [`split_mix`] | deterministic numbers that look like chance |
 //! | [`units`], [`error`] | the unit rule; one error: what was wrong, where, the valid range, what to do |
 //! | [`memory`] | lists that may be large: made, or an error where memory does not suffice |
+//! | [`file`] | reading a file whole: no device, no pipe, no more than is allowed |
 //! | [`task`] | how far a long task is, and how it is stopped |
 //! | [`warning`] | what was left out, is doubtful or approximate, and what to do |
 //! | [`beam`] | light from a direction or a place, which shadows and scattering go by |
@@ -75,6 +76,7 @@ pub mod conditions;
 pub mod effect;
 pub mod ephemeris;
 pub mod error;
+pub mod file;
 pub mod frame;
 pub mod medium;
 pub mod memory;

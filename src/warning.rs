@@ -161,6 +161,15 @@ pub enum Warning {
         /// The lights, in the file's order.
         lights: Vec<UnusedLight>,
     },
+    /// What a photometric file says of a lamp that does not go together, or that is read otherwise than it stands.
+    Photometry {
+        /// The file.
+        file: String,
+        /// What it is.
+        problem: String,
+        /// What the user can do.
+        remedy: String,
+    },
     /// A clock more than three hours from the sun's at the site.
     ClockFarFromSun {
         /// The clock's offset from UTC, say `+02:00`.
@@ -268,9 +277,9 @@ impl Warning {
     /// What the user can do about it, if there is anything to do.
     pub fn advice(&self) -> Option<&str> {
         match self {
-            Warning::MissingMaterials { remedy, .. } | Warning::MissingTexture { remedy, .. } => {
-                (!remedy.is_empty()).then_some(remedy)
-            }
+            Warning::MissingMaterials { remedy, .. }
+            | Warning::MissingTexture { remedy, .. }
+            | Warning::Photometry { remedy, .. } => (!remedy.is_empty()).then_some(remedy),
             Warning::UnknownMaterials { .. } => {
                 Some("define them in an MTL file that a `mtllib` of the OBJ file names")
             }
@@ -471,6 +480,7 @@ impl fmt::Display for Warning {
                     list.join(", ")
                 )
             }
+            Warning::Photometry { file, problem, .. } => write!(f, "{file}: {problem}"),
             Warning::ClockFarFromSun {
                 offset,
                 hours,

@@ -11,11 +11,12 @@ use tyndall::effect::{self, Over};
 use wgpu::naga;
 
 /// The modules of the library: each uses only those before it. The documentation of the crate lists them in the same order.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 23] = [
     "split_mix",
     "units",
     "error",
     "memory",
+    "file",
     "task",
     "warning",
     "beam",

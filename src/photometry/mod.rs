@@ -7,9 +7,18 @@
 //! [`Distribution`] says); IES LM-63; EULUMDAT (Stockmar 1990); CIE 121 for the three types of goniometers.
 
 mod distribution;
+mod eulumdat;
+mod ies;
+mod luminaire;
+mod planes;
 mod pose;
+mod read;
 mod table;
+mod words;
 
 pub use distribution::Distribution;
+pub use luminaire::{Opening, Photometry, Standard, Tilt};
+pub use planes::Symmetry;
 pub use pose::Pose;
+pub use read::{from_bytes, read};
 pub use table::{Goniometer, Peak, Table};

@@ -1,8 +1,9 @@
 //! From a name to a scene.
 
 use super::placement::Placement;
-use super::{Scene, file, gltf, obj, toml};
+use super::{Scene, gltf, obj, toml};
 use crate::error::{Error, Result};
+use crate::file;
 use glam::DVec3;
 use std::path::Path;
 

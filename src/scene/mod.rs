@@ -12,7 +12,6 @@ pub mod cut_out;
 pub mod disc;
 pub mod edges;
 mod fan;
-mod file;
 pub mod framing;
 pub mod geometry;
 mod gltf;

@@ -3,9 +3,9 @@
 //! Names were written elsewhere: with backslashes, in a system that does not tell `Tex.PNG` from `tex.png`, or as a whole
 //! path of another machine.
 
-use super::file;
 use super::text::shown_path;
 use crate::error::Error;
+use crate::file;
 use crate::warning::Warning;
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;

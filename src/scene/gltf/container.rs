@@ -4,7 +4,7 @@ use super::document::Document;
 use super::notes::{Notes, shown};
 use super::{audit, extension, uri};
 use crate::error::{Error, Result};
-use crate::scene::file;
+use crate::file;
 use crate::warning::Warning;
 use std::borrow::Cow;
 use std::collections::BTreeMap;

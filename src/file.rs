@@ -6,14 +6,14 @@ use std::io::Read;
 use std::path::Path;
 
 /// The most that one file of a scene may hold [bytes].
-pub(super) const LARGEST: u64 = 16 << 30;
+pub const LARGEST: u64 = 16 << 30;
 
 /// The content of a regular file (or of a link to one) of at most `most` bytes.
 ///
 /// # Errors
 /// [`Error::File`] when it cannot be read; [`Error::Input`] when it is a folder, a device or a pipe, or larger than `most`;
 /// [`Error::Failed`] when memory does not suffice.
-pub(super) fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
+pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
     let reading = |e| Error::reading(path, e);
     let place = || path.display().to_string();
     let too_large = || {
