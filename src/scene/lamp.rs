@@ -2,7 +2,7 @@
 
 use super::NamedNode;
 use crate::error::{Error, Result};
-use crate::photometry::Distribution;
+use crate::photometry::{self, Distribution, Tilt};
 use crate::units::DEG;
 use crate::warning::Warning;
 use glam::{DAffine3, DVec3};
@@ -179,9 +179,15 @@ impl LightTable {
     ) -> Result<Vec<LampEntry>> {
         let places = self.places(nodes, wrong)?;
         let form = self.form(wrong)?;
-        let (distribution, is_file) = match self.distribution {
-            None => (Distribution::Isotropic, false),
+        let is_file = matches!(self.distribution, Some(DistributionTable::File { .. }));
+        let (distribution, tilt) = match self.distribution {
+            None => (Distribution::Isotropic, None),
             Some(table) => table.read(scene_file, wrong, warnings)?,
+        };
+        // A lamp that burns in another position than it was measured in gives less.
+        let burning = |toward: DVec3| {
+            let tilted = toward.angle_between(DVec3::NEG_Y).to_degrees();
+            tilt.as_ref().map_or(1.0, |tilt| tilt.factor(tilted))
         };
         let intensity = match self.intensity {
             Some(Intensity::Gray(candela)) => DVec3::splat(candela),
@@ -205,7 +211,7 @@ impl LightTable {
             position: place.position,
             toward: place.toward,
             around: place.around,
-            intensity,
+            intensity: burning(place.toward) * intensity,
             distribution: distribution.clone(),
             form,
             ignore: self.ignore.clone(),
@@ -349,13 +355,13 @@ fn of_node(to_scene: DAffine3) -> Place {
 }
 
 impl DistributionTable {
-    /// The distribution, and whether it is a file's.
+    /// The distribution, and how tilting the lamp changes its light where a file tells.
     fn read(
         self,
         scene_file: &Path,
         wrong: &dyn Fn(&str, String, &str) -> Error,
         warnings: &mut Vec<Warning>,
-    ) -> Result<(Distribution, bool)> {
+    ) -> Result<(Distribution, Option<Tilt>)> {
         let distribution = match self {
             DistributionTable::Isotropic {} => Distribution::Isotropic,
             DistributionTable::NishitaSpot { spread, sharpness } => Distribution::NishitaSpot {
@@ -391,12 +397,22 @@ impl DistributionTable {
                 sharpness,
             },
             DistributionTable::File { path, lamp_set } => {
-                let _ = (scene_file, path, lamp_set, &warnings);
-                todo!()
+                let path = scene_file.with_file_name(path);
+                let read = photometry::read(&path, lamp_set.unwrap_or(1));
+                let (photometry, said) = read.map_err(|e| match e {
+                    Error::File { path, source, .. } => wrong(
+                        "distribution.path",
+                        format!("cannot read {}: {source}", path.display()),
+                        "the name is relative to the scene file: check its spelling",
+                    ),
+                    other => other,
+                })?;
+                warnings.extend(said);
+                return Ok((Distribution::Table(photometry.table), photometry.tilt));
             }
         };
         match distribution.check() {
-            Ok(()) => Ok((distribution, false)),
+            Ok(()) => Ok((distribution, None)),
             Err(Error::Domain {
                 quantity,
                 value,
