@@ -5,8 +5,8 @@ use crate::colour::{Space, luminance};
 use crate::error::{Error, Result, nearest};
 use crate::photometry::{Distribution, Pose};
 use crate::scene::{Geometry, LampForm, PunctualKind, Ray, Scene};
-use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use glam::{DMat3, DVec3};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// No place is nearer to a point of light than a micrometre [m2].
@@ -301,14 +301,36 @@ impl Lamp {
         }
     }
 
-    /// Places of a ray [m], in order, where it may enter or leave what a spot shines on: its cone, and its side.
+    /// Places of a ray [m], in order, where it may enter or leave what a spot shines on, or its light bends: cones, and its side.
     pub fn bends(&self, spot: &Spot, ray: &Ray) -> Vec<f64> {
-        let half = self.distribution.cone();
-        let of_cone = (half < PI).then_some((self.pose.toward, half));
-        let of_side = spot.side.map(|(side, _)| (side, FRAC_PI_2));
-        let borders = of_cone.into_iter().chain(of_side);
-        let mut bends: Vec<f64> = borders
-            .flat_map(|(axis, half)| cone(spot.position, axis, half, ray))
+        let Pose {
+            toward,
+            around,
+            third,
+        } = self.pose;
+        let axes = DMat3::from_cols(around, third, toward);
+        let tangents = |a: f64, b: f64| {
+            let [a, b] = [a, b].map(|half| half.tan().powi(2).min(FLAT));
+            (axes, a, b)
+        };
+        let round = |half: f64| match half < PI {
+            true => Some(tangents(half, half)),
+            false => None,
+        };
+        let of_cones = match self.distribution {
+            Distribution::Elliptical { spread: [a, b], .. } => [Some(tangents(a, b)), None],
+            Distribution::Cone { inner, outer } => [round(inner), round(outer)],
+            _ => [round(self.distribution.cone()), None],
+        };
+        let of_side = spot.side.map(|(side, _)| {
+            let (u, v) = side.any_orthonormal_pair();
+            (DMat3::from_cols(u, v, side), FLAT, FLAT)
+        });
+        let mut bends: Vec<f64> = of_cones
+            .into_iter()
+            .chain([of_side])
+            .flatten()
+            .flat_map(|(axes, a, b)| cone(spot.position, axes, a, b, ray))
             .flatten()
             .collect();
         bends.sort_unstable_by(f64::total_cmp);
@@ -323,24 +345,33 @@ impl Lamp {
     }
 }
 
-/// Where a ray crosses a cone of a half angle [rad] around an axis, or its other half behind the apex [m].
-fn cone(apex: DVec3, axis: DVec3, half: f64, ray: &Ray) -> [Option<f64>; 2] {
-    // (p . axis)^2 = cos^2 |p|^2, from the ray's point nearest to the apex: there the linear terms are small.
+/// The square of a tangent from which on a cone is a plane.
+const FLAT: f64 = 1e24;
+
+/// Where a ray crosses the cone x^2 / a + y^2 / b = z^2 in some axes around an apex, or its other half [m]; a and b are squares of
+/// tangents of half angles.
+fn cone(apex: DVec3, axes: DMat3, a: f64, b: f64, ray: &Ray) -> [Option<f64>; 2] {
+    // From the ray's point nearest to the apex: there the linear terms are small.
     let foot = (apex - ray.origin).dot(ray.direction);
-    let base = ray.at(foot) - apex;
-    let (along, rise) = (base.dot(axis), ray.direction.dot(axis));
-    let square = half.cos().powi(2);
-    let a = rise * rise - square;
-    let b = rise * along;
-    let c = along * along - square * base.length_squared();
-    // b^2 - a c, without taking nearly equal numbers from each other where the cone is a plane.
-    let under = square * (along * along + base.length_squared() * a);
+    let into = axes.transpose();
+    let (base, along) = (into * (ray.at(foot) - apex), into * ray.direction);
+    // Scaled so that no term is beyond all bounds: a cone of no width is its axis, one of a right angle a plane.
+    let scale = 1.0 + a.min(b);
+    let weights = DVec3::new(-b, -a, a * b) / (scale * a.max(b).max(1.0));
+    let form = |p: DVec3, q: DVec3| (weights * p).dot(q);
+    let (square, linear, constant) = (form(along, along), form(along, base), form(base, base));
+    // linear^2 - square constant, without taking nearly equal numbers from each other (Lagrange's identity).
+    let minor = |i: usize, j: usize| {
+        let across = along[i] * base[j] - along[j] * base[i];
+        weights[i] * weights[j] * across * across
+    };
+    let under = -(minor(0, 1) + minor(1, 2) + minor(2, 0));
     if under < 0.0 {
         return [None; 2];
     }
-    let q = -(b + b.signum() * under.sqrt());
+    let q = -(linear + linear.signum() * under.sqrt());
     let root = |top: f64, under: f64| Some(foot + top / under).filter(|t| t.is_finite());
-    [root(q, a), root(c, q)]
+    [root(q, square), root(constant, q)]
 }
 
 /// The casters of a scene but those of a material.

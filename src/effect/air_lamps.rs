@@ -14,7 +14,7 @@ use super::{Contribution, Decision, Effect, Field, Knob};
 use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::conditions::lamps::{Lamp, Spot};
-use crate::medium::{LocalScattering, Shape};
+use crate::medium::{LocalScattering, Pattern, Shape};
 use crate::scene::Ray;
 use crate::scene::shade::Shade;
 use glam::DVec3;
@@ -35,7 +35,7 @@ pub const AIR_LAMPS: Effect = Effect {
         Knob {
             name: "error",
             meaning: "relative error of the integral over a lit run",
-            values: [1e-3, 1e-4, 1e-5, 1e-7],
+            values: [1e-2, 1e-3, 3e-4, 1e-6],
             range: [1e-9, 0.1],
         },
         LEFT_OUT,
@@ -169,7 +169,11 @@ fn scattered(
     if lit.is_empty() {
         return DVec3::ZERO;
     }
-    let pattern = |direction: DVec3| lamp.shape(spot, direction);
+    let shape = |direction: DVec3| lamp.shape(spot, direction);
+    let pattern = Pattern {
+        shape: &shape,
+        detail: lamp.distribution.detail(),
+    };
     let bends = lamp.bends(spot, ray);
     let scattering = LocalScattering::new(
         &conditions.air,
@@ -179,7 +183,7 @@ fn scattered(
         spot.position,
         spot.radius,
     )
-    .shaped(&pattern, &bends, error);
+    .shaped(pattern, &bends, error);
     let sum: DVec3 = lit
         .iter()
         .map(|([a, b], pass)| *pass * scattering.integrate(from + a, from + b))

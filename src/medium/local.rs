@@ -3,17 +3,27 @@
 //! L = I integral of sum_i sigma_s,i(t) p_i(mu(t)) e^-(tau_eye + tau_beam) / d(t)^2 dt over the lit part of the ray, d the distance
 //! to where the light comes from, at least the beam's radius. With h its distance from the ray, t_0 its foot on it and t = t_0 + h tan(theta),
 //! dt / d^2 = d theta / h: in theta there is no peak however near the light is (Nishita, Miyawaki & Nakamae 1987; Pegoraro & Parker
-//! 2009). Between the faces of media the integrand is smooth; Gauss-Legendre quadrature on parts that are halved until they agree.
+//! 2009). Between the faces of media the integrand is smooth: Gauss-Kronrod quadrature on parts that are halved until both rules agree.
 
-use super::exponential::gauss;
+use super::exponential::kronrod;
 use super::{Air, FARTHEST, Medium, Shape};
 use glam::DVec3;
+use std::f64::consts::PI;
 
-/// Parts whose halves agree this well are not halved any more, where nothing else is asked for.
-pub(super) const TOLERANCE: f64 = 1e-9;
+/// Parts on which both rules agree this well are not halved any more, where nothing else is asked for.
+const TOLERANCE: f64 = 1e-9;
 
 /// A part is halved at most so often.
-const HALVINGS: u32 = 24;
+const HALVINGS: u32 = 40;
+
+/// A lit run begins with no more parts than this, whatever the pattern.
+const MOST_PARTS: f64 = 256.0;
+
+/// An optical depth through which nothing is seen.
+const OPAQUE: f64 = 100.0;
+
+/// Parts over which the optical depth from the eye grows by more than this are halved.
+const STEEP: f64 = 4.0;
 
 /// Where a ray enters and leaves the sphere around the light inside of which it gets no brighter, if it does.
 fn within(foot: f64, aside: f64, radius: f64) -> Vec<f64> {
@@ -24,8 +34,14 @@ fn within(foot: f64, aside: f64, radius: f64) -> Vec<f64> {
     }
 }
 
-/// How luminous intensity depends on the unit vector that light goes along [1].
-pub type Pattern<'a> = &'a (dyn Fn(DVec3) -> f64 + Sync);
+/// How luminous intensity goes by direction.
+#[derive(Clone, Copy)]
+pub struct Pattern<'a> {
+    /// That along a unit vector away from the light [1].
+    pub shape: &'a (dyn Fn(DVec3) -> f64 + Sync),
+    /// About how wide the finest of it is [rad].
+    pub detail: f64,
+}
 
 /// A ray under the light of a place near by.
 pub struct LocalScattering<'a> {
@@ -107,29 +123,48 @@ impl<'a> LocalScattering<'a> {
 
     fn part(&self, from: f64, to: f64) -> DVec3 {
         let angle = |t: f64| (t - self.foot).atan2(self.aside);
+        let place = |theta: f64| (self.foot + self.aside * theta.tan()).clamp(from, to);
         let middle = 0.5 * (from + to);
         let value = |theta: f64| {
-            let t = (self.foot + self.aside * theta.tan()).clamp(from, to);
+            let t = place(theta);
             let rate = self.aside + (t - self.foot).powi(2) / self.aside;
             rate * self.scattered(t, middle)
         };
-        let whole = |a: f64, b: f64| gauss(a, b, &value);
-        let mut sum = DVec3::ZERO;
+        let depth = |theta: f64| {
+            let depth = self
+                .air
+                .optical_depth(self.origin, self.direction, place(theta));
+            depth.min_element()
+        };
         let (first, last) = (angle(from), angle(to));
-        let mut parts = vec![(first, last, whole(first, last), HALVINGS)];
-        while let Some((a, b, found, halvings)) = parts.pop() {
-            let m = 0.5 * (a + b);
-            let (left, right) = (whole(a, m), whole(m, b));
-            let finer = left + right;
-            let off = (finer - found).abs().max_element();
-            if halvings == 0
-                || off <= self.tolerance * finer.abs().max_element().max(sum.max_element())
-            {
-                sum += finer;
-            } else {
-                parts.push((a, m, left, halvings - 1));
-                parts.push((m, b, right, halvings - 1));
+        // Nothing that is as wide as a half of a part falls between the points.
+        let wide = self.pattern.map_or(PI, |pattern| pattern.detail);
+        let count = ((last - first) / (2.0 * wide))
+            .ceil()
+            .clamp(1.0, MOST_PARTS) as u32;
+        let cut = |i: u32| first + (last - first) * f64::from(i) / f64::from(count);
+        let mut sum = DVec3::ZERO;
+        let mut scale = 0.0f64;
+        let mut parts: Vec<(f64, f64, u32)> = (0..count)
+            .rev()
+            .map(|i| (cut(i), cut(i + 1), HALVINGS))
+            .collect();
+        while let Some((a, b, halvings)) = parts.pop() {
+            let before = depth(a);
+            if before > OPAQUE {
+                continue;
             }
+            if halvings == 0 || depth(b).min(OPAQUE) - before <= STEEP {
+                let (found, off) = kronrod(a, b, &value);
+                scale = scale.max(found.max_element());
+                if halvings == 0 || off <= self.tolerance * scale.max(sum.max_element()) {
+                    sum += found;
+                    continue;
+                }
+            }
+            let m = 0.5 * (a + b);
+            parts.push((m, b, halvings - 1));
+            parts.push((a, m, halvings - 1));
         }
         sum
     }
@@ -144,7 +179,7 @@ impl<'a> LocalScattering<'a> {
         // On a ray through a point of light, no nearer than the ray is taken to pass it.
         let square = way.length_squared().max(self.aside * self.aside);
         let toward = way.try_normalize().unwrap_or(DVec3::Y);
-        let shape = self.pattern.map_or(1.0, |pattern| pattern(-toward));
+        let shape = self.pattern.map_or(1.0, |pattern| (pattern.shape)(-toward));
         if shape == 0.0 {
             return DVec3::ZERO;
         }
@@ -190,7 +225,6 @@ impl<'a> LocalScattering<'a> {
 mod tests {
     use super::*;
     use crate::medium::{Phase, Scattering};
-    use std::f64::consts::PI;
 
     fn cube(scattering: f64, absorption: f64) -> Air {
         Air {

@@ -196,6 +196,9 @@ impl Distribution {
 
     /// [`Distribution::relative`] in a direction of the scene, away from a lamp that hangs in a pose; of any length.
     pub fn intensity(&self, pose: &Pose, direction: DVec3) -> f64 {
+        if let Distribution::Isotropic = self {
+            return 1.0;
+        }
         let (theta, phi) = pose.angles(direction);
         self.relative(theta, phi)
     }
@@ -210,6 +213,24 @@ impl Distribution {
             Distribution::Elliptical { spread: [a, b], .. } => a.max(b),
             Distribution::Cone { outer, .. } => outer,
             Distribution::Table(ref table) => table.cone(),
+        }
+    }
+
+    /// About how wide the finest of what it shows is, for whoever samples it [rad]; pi where it is smooth inside its cone.
+    pub fn detail(&self) -> f64 {
+        match *self {
+            Distribution::Isotropic
+            | Distribution::NishitaSpot { .. }
+            | Distribution::Elliptical { .. }
+            | Distribution::Cone { .. } => PI,
+            Distribution::Daisy { petals, .. } => PI / f64::from(petals),
+            Distribution::PolkaDots {
+                spread,
+                petals,
+                rings,
+                ..
+            } => (PI / f64::from(petals)).min(0.5 * spread / f64::from(rings)),
+            Distribution::Table(_) => TABLE_DETAIL,
         }
     }
 
@@ -289,6 +310,9 @@ fn beam(theta: f64, spread: f64, sharpness: f64) -> f64 {
     let inside = (0.5 * (spread + theta)).sin() / half * ((0.5 * (spread - theta)).sin() / half);
     (1.0 - sharpness) * inside + sharpness
 }
+
+/// Tables hold nothing finer than this that matters [rad]: goniometers step by 2.5 degrees or more, and what they measure is smooth.
+const TABLE_DETAIL: f64 = 0.25;
 
 /// The least difference of cosines over which a spot of glTF fades [1], from the extension's text.
 const LEAST_FALLOFF: f64 = 1e-3;
