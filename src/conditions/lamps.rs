@@ -148,6 +148,11 @@ impl Lamp {
         luminance(self.intensity) * self.distribution.peak()
     }
 
+    /// Luminous flux [lm, luminance]. Of a rectangle all that its distribution says counts, though it shines on one side.
+    pub fn flux(&self) -> f64 {
+        luminance(self.intensity) * self.distribution.flux()
+    }
+
     /// The middle of it [m].
     pub fn middle(&self) -> DVec3 {
         match self.form {

@@ -1,6 +1,6 @@
 //! Conditions in words, for people and for files.
 
-use super::Conditions;
+use super::{Conditions, Lamp, Sun};
 use crate::colour::luminance;
 use crate::ephemeris::{self, Absence, DayEvents, HORIZON};
 use crate::frame::Value;
@@ -42,19 +42,28 @@ impl Conditions {
                 ),
             ));
         }
+        let has_sun = self.sun != Sun::ABSENT;
         let azimuth = self.sun_azimuth_deg();
         let elevation = self.sun_elevation_deg();
         let how = match &self.instant {
             Some(instant) => format!("apparent, tier {}", instant.tier),
             None => "as given".into(),
         };
-        lines.push((
-            "sun",
-            format!(
+        let sun = match has_sun {
+            true => format!(
                 "azimuth {azimuth:.3}, elevation {elevation:.3} degrees ({how}); {:.0} lx facing it",
                 self.sun.illuminance_lux()
             ),
-        ));
+            false => "none".to_owned(),
+        };
+        lines.push(("sun", sun));
+        if !self.lamps.is_empty() {
+            let flux: f64 = self.lamps.iter().map(Lamp::flux).sum();
+            lines.push((
+                "lamps",
+                format!("{}, {flux:.0} lm together", self.lamps.len()),
+            ));
+        }
         if let Some(day) = self.day_line() {
             lines.push(("day", day));
         }
@@ -113,13 +122,20 @@ impl Conditions {
             ));
         }
         facts.push(("north_deg", self.scene.north_deg.into()));
-        facts.push(("sun_azimuth_deg", self.sun_azimuth_deg().into()));
-        facts.push(("sun_elevation_deg", self.sun_elevation_deg().into()));
-        facts.push(("sun_illuminance_lx", self.sun.illuminance_lux().into()));
-        facts.push((
-            "sun_angular_diameter_deg",
-            (2.0 * self.sun.angular_radius() / DEG).into(),
-        ));
+        if self.sun != Sun::ABSENT {
+            facts.push(("sun_azimuth_deg", self.sun_azimuth_deg().into()));
+            facts.push(("sun_elevation_deg", self.sun_elevation_deg().into()));
+            facts.push(("sun_illuminance_lx", self.sun.illuminance_lux().into()));
+            facts.push((
+                "sun_angular_diameter_deg",
+                (2.0 * self.sun.angular_radius() / DEG).into(),
+            ));
+        }
+        if !self.lamps.is_empty() {
+            facts.push(("lamps", (self.lamps.len() as f64).into()));
+            let flux: f64 = self.lamps.iter().map(Lamp::flux).sum();
+            facts.push(("lamps_flux_lm", flux.into()));
+        }
         match &self.sky {
             None => facts.push(("sky", "none".into())),
             Some(sky) => {

@@ -26,7 +26,7 @@ use tyndall::{Error, Result};
 The points are a CSV with the columns x, y, z in metres, in the scene's axes (+Y up), and perhaps nx, ny, nz: the direction that \
 the meter faces, of any length; it looks up where they are left out. Every row comes out again, in its order, with its \
 illuminance in lux: `illuminance` is the whole, `sun` and `sky` what comes straight from them, `indirect` what surfaces and the \
-ground send on.\n\n\
+ground send on; a scene with lamps has `lights` too, what comes straight from them.\n\n\
 Examples:\n  \
 tyndall daylight room.glb --at 48.8584,2.2945 --time 2026-06-21T12:00 --points desk.csv\n  \
 tyndall daylight room.glb --sun 180,30 --sky cie:1 --points desk.csv --csv > lux.csv\n  \

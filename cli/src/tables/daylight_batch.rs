@@ -17,15 +17,23 @@ use crate::tables::together::Together;
 use crate::tables::work;
 use crate::tell;
 
-static BATCH: Batch = Batch {
-    known: &["x", "y", "z", "nx", "ny", "nz"],
-    words: 0,
-    required: 3,
-    results: &["illuminance", "sun", "sky", "indirect"],
-};
+/// The columns of a scene without lamps, and with them.
+static BATCHES: [Batch; 2] = [
+    of_results(&["illuminance", "sun", "sky", "indirect"]),
+    of_results(&["illuminance", "sun", "sky", "indirect", "lights"]),
+];
 
-/// The layers that have a column of their own, in the order of the results behind their sum.
-const LAYERS: [Field; 3] = [Field::Sun, Field::Sky, Field::Indirect];
+const fn of_results(results: &'static [&'static str]) -> Batch {
+    Batch {
+        known: &["x", "y", "z", "nx", "ny", "nz"],
+        words: 0,
+        required: 3,
+        results,
+    }
+}
+
+/// The layers that have a column of their own, in the order of the results behind their sum; the last where there are lamps.
+const LAYERS: [Field; 4] = [Field::Sun, Field::Sky, Field::Indirect, Field::Lights];
 
 /// Finds the illuminance of points, piece by piece with one backend: what the first has made serves all.
 pub struct Meter<'a> {
@@ -59,7 +67,11 @@ pub struct Done {
 impl Meter<'_> {
     /// Reads `path` (`-` is standard input) and prints every row with its illuminance [lx].
     pub fn run(&mut self, path: &Path, form: Form) -> Result<Tally> {
-        BATCH.run_together(path, form, self)
+        let [without, with] = &BATCHES;
+        match self.conditions.lamps.is_empty() {
+            true => without.run_together(path, form, self),
+            false => with.run_together(path, form, self),
+        }
     }
 
     /// Chooses the quality, if it is to be chosen, for the points at hand and all that follow.
@@ -120,18 +132,20 @@ impl Together for Meter<'_> {
             let record = std::mem::take(&mut rendered.frame.record);
             done.first = Some((record, tell::plan_json(&plan), details));
         }
-        illuminances(&rendered.frame, count)
+        let columns = LAYERS.len() - usize::from(conditions.lamps.is_empty());
+        illuminances(&rendered.frame, count, &LAYERS[..columns])
     }
 }
 
 /// The luminance of all layers together and of some, of each point; layers of points are illuminances [lx].
-fn illuminances(frame: &Frame, count: usize) -> Result<Vec<f64>> {
-    let layers = LAYERS.map(|field| frame.layer(field.name()));
+fn illuminances(frame: &Frame, count: usize, columns: &[Field]) -> Result<Vec<f64>> {
+    let layers: Vec<_> = columns.iter().map(|field| frame.layer(field.name())).collect();
     let values: Vec<f64> = (0..count)
         .flat_map(|i| {
-            let layer =
-                layers.map(|layer| layer.map_or(0.0, |layer| luminance(layer.rgb[i].as_dvec3())));
-            [luminance(frame.picture(i)), layer[0], layer[1], layer[2]]
+            let of_layers = layers
+                .iter()
+                .map(move |layer| layer.map_or(0.0, |layer| luminance(layer.rgb[i].as_dvec3())));
+            std::iter::once(luminance(frame.picture(i))).chain(of_layers)
         })
         .collect();
     match values.iter().all(|value| value.is_finite()) {
