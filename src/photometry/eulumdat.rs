@@ -3,7 +3,7 @@
 use super::luminaire::{Opening, Photometry, Standard};
 use super::planes::{Measured, Symmetry};
 use super::table::Goniometer;
-use super::words::{Negative, Words, in_file, number, shown};
+use super::words::{BRIGHTEST, Negative, Words, in_file, number, shown};
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::warning::Warning;
@@ -142,8 +142,11 @@ pub(super) fn read(name: &str, text: &str, lamp_set: usize) -> Result<(Photometr
             )
         };
         let found = scale * words.line_number(what, None)?;
-        if !found.is_finite() {
-            return Err(words.wrong(format!("{} is beyond all numbers", what())));
+        if !(found.abs() <= BRIGHTEST) {
+            return Err(words.wrong(format!(
+                "{} is {found:e} cd; expected at most {BRIGHTEST:e}",
+                what()
+            )));
         }
         negative.note(found, &words);
         *value = found.max(0.0);
@@ -214,15 +217,20 @@ fn lamps(words: &mut Words, chosen: usize) -> Result<Lamps> {
     for i in 0..sets * OF_A_SET {
         lines.push(words.text(&format!("line {} of {} on lamps", i + 1, sets * OF_A_SET))?);
     }
-    let is_number = |at: usize| number(&lines[at].replace(',', ".")).is_some();
-    let numbers = |at: &dyn Fn(usize, usize) -> usize| {
-        (0..sets).all(|set| [0, 2].iter().all(|part| is_number(at(set, *part))))
+    let value = |at: usize| number(&lines[at].replace(',', "."));
+    // Which reading finds numbers of lamps and lumens where they should be; if both do, the one whose kinds are words.
+    let likely = |at: &dyn Fn(usize, usize) -> usize| {
+        let of = |set: usize| {
+            let fits = value(at(set, 0)).is_some() && value(at(set, 2)).is_some_and(|lm| lm > 0.0);
+            usize::from(fits) * (1 + usize::from(value(at(set, 1)).is_none()))
+        };
+        (0..sets).map(of).min()
     };
     let by_set = |set: usize, part: usize| set * OF_A_SET + part;
     let by_part = |set: usize, part: usize| part * sets + set;
-    let at: &dyn Fn(usize, usize) -> usize = match (numbers(&by_set), numbers(&by_part)) {
-        (false, true) => &by_part,
-        _ => &by_set,
+    let at: &dyn Fn(usize, usize) -> usize = match likely(&by_part) > likely(&by_set) {
+        true => &by_part,
+        false => &by_set,
     };
     let take = |part: usize, what: &str, empty: Option<f64>| {
         let mut words = start.clone();

@@ -3,7 +3,7 @@
 use super::luminaire::{Opening, Photometry, Standard, Tilt};
 use super::planes::{Measured, Symmetry};
 use super::table::Goniometer;
-use super::words::{Negative, Words, decoded, in_file, shown};
+use super::words::{BRIGHTEST, Negative, Words, decoded, in_file, shown};
 use crate::error::{Error, Result};
 use crate::file;
 use crate::memory;
@@ -57,7 +57,7 @@ pub(super) fn read(path: &Path, name: &str, text: &str) -> Result<(Photometry, V
     let rows = words.count("the number of vertical angles", 2, usize::MAX)?;
     let columns = words.count("the number of horizontal angles", 1, usize::MAX)?;
     let values = rows.saturating_mul(columns);
-    if !words.has_room_for(values.saturating_add(rows + columns)) {
+    if !words.has_room_for(values.saturating_add(rows).saturating_add(columns)) {
         return Err(words.wrong(format!(
             "{rows} vertical and {columns} horizontal angles are more than the file has numbers"
         )));
@@ -112,8 +112,11 @@ pub(super) fn read(path: &Path, name: &str, text: &str) -> Result<(Photometry, V
             format!("the candela at vertical angle {v}, horizontal angle {h}")
         };
         let found = scale * words.number(what)?;
-        if !found.is_finite() {
-            return Err(words.wrong(format!("{} is beyond all numbers", what())));
+        if !(found.abs() <= BRIGHTEST) {
+            return Err(words.wrong(format!(
+                "{} is {found:e} cd; expected at most {BRIGHTEST:e}",
+                what()
+            )));
         }
         negative.note(found, &words);
         *value = found.max(0.0);
@@ -163,23 +166,23 @@ fn factor(words: &mut Words, what: &str) -> Result<f64> {
     }
 }
 
-/// The number after the ballast factor: until 1995 a factor too (of ballast and lamp together), in 2002 kept free, since 2019 how the file
-/// was made.
+/// The number after the ballast factor: until 1991 a factor too (of ballast and lamp together), then kept free, since 2019 how the
+/// file was made.
 fn second_factor(
     words: &mut Words,
     standard: Standard,
     name: &str,
     warnings: &mut Vec<Warning>,
 ) -> Result<f64> {
-    if standard <= (Standard::Lm63 { year: 1995 }) {
+    if standard <= (Standard::Lm63 { year: 1991 }) {
         return factor(words, "the ballast-lamp photometric factor");
     }
     let found = words.number(|| "the number for future use".into())?;
-    if standard == (Standard::Lm63 { year: 2002 }) && found != 1.0 {
+    if standard < (Standard::Lm63 { year: 2019 }) && found != 1.0 {
         warnings.push(Warning::Photometry {
             file: name.to_owned(),
             problem: format!(
-                "the number after the ballast factor, in line {}, is {found}, where LM-63-2002 has 1; intensities are not multiplied by it",
+                "the number after the ballast factor, in line {}, is {found}, where {standard} has 1; intensities are not multiplied by it",
                 words.number_of_line()
             ),
             remedy: "if it is a factor, put it into the multiplier".into(),
@@ -350,7 +353,7 @@ fn edition(line: &str) -> Option<u16> {
 fn tilts(words: &mut Words) -> Result<Tilt> {
     let lamp = words.count("the lamp's position in the luminaire", 1, 3)?;
     let count = words.count("the number of tilts", 1, usize::MAX)?;
-    if !words.has_room_for(2 * count) {
+    if !words.has_room_for(count.saturating_mul(2)) {
         return Err(words.wrong(format!("{count} tilts are more than the file has numbers")));
     }
     let mut angles: Vec<f64> = Vec::new();

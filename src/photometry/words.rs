@@ -26,6 +26,9 @@ pub(super) fn decoded<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     })
 }
 
+/// No lamp is brighter [cd]: sums of such values are numbers.
+pub(super) const BRIGHTEST: f64 = 1e30;
+
 /// What is left of a text.
 #[derive(Debug, Clone)]
 pub(super) struct Words<'a> {
