@@ -110,7 +110,7 @@ fn all_ways_to_write_a_file_are_the_same_file() {
     }
     let latin = [
         b"IESNA91\n[MANUFAC] K\xfchl\xb0\n".as_slice(),
-        IES[44..].as_bytes(),
+        &IES.as_bytes()[44..],
     ]
     .concat();
     assert_eq!(bytes(&latin).description, ["[MANUFAC] K\u{fc}hl\u{b0}"]);

@@ -17,7 +17,8 @@ fn every_symmetry_of_eulumdat_is_the_same_as_all_planes() {
     let gammas = [0.0, 60.0, 90.0];
     let plane = |key: f64| vec![100.0, 80.5 + key, 3.0 + 0.5 * key];
     // The key of a plane is the same for all that a symmetry mirrors.
-    let keys: [(u32, Symmetry, fn(f64) -> f64, Vec<f64>); 5] = [
+    type Key = fn(f64) -> f64;
+    let keys: [(u32, Symmetry, Key, Vec<f64>); 5] = [
         (0, Symmetry::None, |c| c / 9.0, all.clone()),
         (1, Symmetry::Axis, |_| 7.0, vec![0.0]),
         (
