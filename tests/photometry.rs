@@ -43,7 +43,7 @@ fn formulas() -> Vec<Distribution> {
     for spread in [0.0, 1e-9, 0.1 * DEG, 28.0 * DEG, FRAC_PI_2, 135.0 * DEG, PI] {
         for sharpness in [0.0, 0.25, 1.0] {
             all.push(spot(spread, sharpness));
-            for (petals, ratio) in [(1, 0.0), (9, -0.3), (12, 0.5), (2, 1.0), (3, -4.0)] {
+            for (petals, ratio) in [(1, 0.0), (10, -1.0), (12, 0.5), (2, 1.0), (3, -4.0)] {
                 all.push(Distribution::Daisy {
                     spread,
                     sharpness,
@@ -258,10 +258,10 @@ fn flux_is_the_integral_over_the_sphere() {
                 && flux <= TAU * 2.0 * (0.5 * cone).sin().powi(2) + 1e-12
         );
         if cone > 0.0 {
-            // Cells of all patterns end between its azimuths.
-            let rough = counted(&d, cone, [400, 720]);
+            // Steps of phi end where patterns bend or end.
+            let rough = counted(&d, cone, [2000, 240]);
             let off = (flux - rough).abs();
-            assert!(off < 1e-2 * flux, "{d:?}: {flux} {rough}");
+            assert!(off < 6e-3 * flux, "{d:?}: {flux} {rough}");
         }
     }
 }
