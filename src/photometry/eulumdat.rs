@@ -90,8 +90,8 @@ pub(super) fn read(name: &str, text: &str, lamp_set: usize) -> Result<(Photometr
         "height at C180",
         "height at C270",
     ]) {
-        *side =
-            1e-3 * words.line_number(|| format!("the {what} of the luminous area"), Some(0.0))?;
+        let what = || format!("the {what} of the luminous area");
+        *side = words.line_number(what, Some(0.0))? / 1000.0;
     }
     words.line_number(|| "the share of light that goes down".into(), Some(0.0))?;
     let efficiency = words.line_number(|| "the light output ratio".into(), Some(0.0))?;

@@ -94,7 +94,8 @@ fn table(lamp: &Photometry) -> String {
     let peak = table.peak();
     let lumens =
         |stated: Option<f64>| stated.map_or("not stated".into(), |lm| format!("{lm:.1} lm"));
-    let [width, length, height] = lamp.opening.size;
+    // To a tenth of a millimetre: feet make long numbers.
+    let [width, length, height] = lamp.opening.size.map(|m| (1e4 * m).round() / 1e4);
     let [planes, lines] = lamp.measured;
     let v = table.vertical();
     let mut rows = vec![
