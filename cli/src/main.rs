@@ -17,7 +17,9 @@ mod plots;
 mod tables;
 mod tell;
 
-use crate::commands::{accuracy, completions, daylight, doctor, plan, render, schema, sky, sun};
+use crate::commands::{
+    accuracy, completions, daylight, doctor, photometry, plan, render, schema, sky, sun,
+};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -44,6 +46,7 @@ enum Command {
     Sky(Box<sky::SkyArgs>),
     /// What accuracy costs in time
     Accuracy(accuracy::AccuracyArgs),
+    Photometry(photometry::PhotometryArgs),
     Doctor(doctor::DoctorArgs),
     Schema(schema::SchemaArgs),
     Completions(completions::CompletionsArgs),
@@ -94,6 +97,7 @@ fn run(command: Command) -> ExitCode {
         Command::Sun(args) => sun::run(&args),
         Command::Sky(args) => sky::run(&args),
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Photometry(args) => photometry::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),

@@ -12,6 +12,7 @@
 //!   is taken what geometry shadows of them ([`crate::effect::air_shadow`]). Light that other media send there still passes
 //!   through them, as it does beside it on a ray that meets a surface.
 
+mod airlight;
 pub mod clear;
 mod exponential;
 mod height;
@@ -22,6 +23,7 @@ mod scattering;
 mod shape;
 mod sight;
 
+pub use airlight::Airlight;
 pub use clear::ClearAir;
 pub use local::{LocalScattering, Pattern};
 pub use phase::{Fog, Phase};

@@ -275,7 +275,8 @@ impl Distribution {
                 let bend = half / (1.0 - ratio).max(1.0);
                 let rising = |i: u32| {
                     let (from, to) = (f64::from(i) * half, f64::from(i + 1) * half);
-                    let inner = if i % 2 == 0 { from + bend } else { to - bend };
+                    let whole = i.is_multiple_of(2);
+                    let inner = if whole { from + bend } else { to - bend };
                     integral(from, inner, &out) + integral(inner, to, &out)
                 };
                 let sum: f64 = (0..2 * rings).map(rising).sum();

@@ -1,13 +1,16 @@
 //! EULUMDAT, also known as LDT (Stockmar 1990, 1998): one value a line.
 
+use super::grid::{Next, angles, intensities};
 use super::luminaire::{Opening, Photometry, Standard};
 use super::planes::{Measured, Symmetry};
 use super::table::Goniometer;
-use super::words::{Negative, Words, in_file, number, shown};
+use super::words::{Words, number};
 use crate::error::{Error, Result};
-use crate::memory;
 use crate::warning::Warning;
 use std::sync::Arc;
+
+/// Each number has its line.
+const NEXT: Next = |words, what| words.line_number(what, None);
 
 /// Planes are taken for those of round angles this near [degrees].
 const ROUND: f64 = 0.05;
@@ -54,8 +57,8 @@ pub(super) fn read(name: &str, text: &str, lamp_set: usize) -> Result<(Photometr
         Symmetry::Quadrants => planes / 4 + 1,
         Symmetry::Across0 | Symmetry::Across90 => planes / 2 + 1,
     };
-    let values = rows.saturating_mul(columns);
-    if !words.has_room_for(values.saturating_add(planes).saturating_add(rows)) {
+    let angles_too = rows.saturating_add(planes);
+    if !words.has_room_for(rows.saturating_mul(columns).saturating_add(angles_too)) {
         return Err(words.wrong(format!(
             "{planes} planes of {rows} intensities are more than the file has lines"
         )));
@@ -87,8 +90,8 @@ pub(super) fn read(name: &str, text: &str, lamp_set: usize) -> Result<(Photometr
         "height at C180",
         "height at C270",
     ]) {
-        *side =
-            1e-3 * words.line_number(|| format!("the {what} of the luminous area"), Some(0.0))?;
+        let what = || format!("the {what} of the luminous area");
+        *side = words.line_number(what, Some(0.0))? / 1000.0;
     }
     words.line_number(|| "the share of light that goes down".into(), Some(0.0))?;
     let efficiency = words.line_number(|| "the light output ratio".into(), Some(0.0))?;
@@ -129,45 +132,27 @@ pub(super) fn read(name: &str, text: &str, lamp_set: usize) -> Result<(Photometr
     }
 
     let horizontal = c_angles(&mut words, planes, symmetry)?;
-    let vertical = ascending(&mut words, "gamma angle", rows, [0.0, 180.0])?;
+    let vertical = angles(&mut words, NEXT, "gamma angle", rows, [0.0, 180.0])?;
     let scale = 1e-3 * lamps.lumens * conversion;
-    let mut candela = memory::filled("the values of a lamp", values, 0.0)?;
-    let mut negative = Negative::default();
-    for (i, value) in candela.iter_mut().enumerate() {
-        let what = || {
-            let (c, gamma) = (horizontal[i / rows], vertical[i % rows]);
-            format!(
-                "the intensity at gamma {gamma} in the plane C{}",
-                c.rem_euclid(360.0)
-            )
-        };
-        let found = scale * words.line_number(what, None)?;
-        if !found.is_finite() {
-            return Err(words.wrong(format!("{} is beyond all numbers", what())));
-        }
-        negative.note(found, &words);
-        *value = found.max(0.0);
-    }
-    warnings.extend(negative.into_warning(name));
-    if let Some(word) = words.word() {
-        warnings.push(Warning::Photometry {
-            file: name.to_owned(),
-            problem: format!(
-                "`{}` in line {} and what follows stand after the last value and are not read",
-                shown(word),
-                words.number_of_line()
-            ),
-            remedy: "check symmetry and numbers of angles".into(),
-        });
-    }
-
+    let what = |i: usize, j: usize| {
+        let (c, gamma) = (f64::rem_euclid(horizontal[i], 360.0), vertical[j]);
+        format!("the intensity at gamma {gamma} in the plane C{c}")
+    };
+    let candela = intensities(
+        &mut words,
+        NEXT,
+        scale,
+        [columns, rows],
+        what,
+        &mut warnings,
+    )?;
     let measured = Measured {
         goniometer: Goniometer::C,
         horizontal,
         vertical,
         candela,
     };
-    let table = measured.complete(symmetry).map_err(|e| in_file(name, e))?;
+    let table = measured.complete(symmetry).map_err(|e| words.because(e))?;
     let photometry = Photometry {
         standard: Standard::Eulumdat,
         description,
@@ -214,15 +199,20 @@ fn lamps(words: &mut Words, chosen: usize) -> Result<Lamps> {
     for i in 0..sets * OF_A_SET {
         lines.push(words.text(&format!("line {} of {} on lamps", i + 1, sets * OF_A_SET))?);
     }
-    let is_number = |at: usize| number(&lines[at].replace(',', ".")).is_some();
-    let numbers = |at: &dyn Fn(usize, usize) -> usize| {
-        (0..sets).all(|set| [0, 2].iter().all(|part| is_number(at(set, *part))))
+    let value = |at: usize| number(&lines[at].replace(',', "."));
+    // Which reading finds numbers of lamps and lumens where they should be; if both do, the one whose kinds are words.
+    let likely = |at: &dyn Fn(usize, usize) -> usize| {
+        let of = |set: usize| {
+            let fits = value(at(set, 0)).is_some() && value(at(set, 2)).is_some_and(|lm| lm > 0.0);
+            usize::from(fits) * (1 + usize::from(value(at(set, 1)).is_none()))
+        };
+        (0..sets).map(of).min()
     };
     let by_set = |set: usize, part: usize| set * OF_A_SET + part;
     let by_part = |set: usize, part: usize| part * sets + set;
-    let at: &dyn Fn(usize, usize) -> usize = match (numbers(&by_set), numbers(&by_part)) {
-        (false, true) => &by_part,
-        _ => &by_set,
+    let at: &dyn Fn(usize, usize) -> usize = match likely(&by_part) > likely(&by_set) {
+        true => &by_part,
+        false => &by_set,
     };
     let take = |part: usize, what: &str, empty: Option<f64>| {
         let mut words = start.clone();
@@ -248,39 +238,9 @@ fn lamps(words: &mut Words, chosen: usize) -> Result<Lamps> {
     })
 }
 
-/// Ascending angles [degrees], one a line.
-fn ascending(
-    words: &mut Words,
-    which: &str,
-    count: usize,
-    [least, greatest]: [f64; 2],
-) -> Result<Vec<f64>> {
-    let mut list = memory::filled("the angles of a lamp", count, 0.0)?;
-    let mut last = f64::NEG_INFINITY;
-    for (i, place) in list.iter_mut().enumerate() {
-        let name = || format!("{which} {} of {count}", i + 1);
-        let angle = words.line_number(name, None)?;
-        if !(least..=greatest).contains(&angle) {
-            return Err(words.wrong(format!(
-                "{} is {angle}; expected {least} to {greatest} degrees",
-                name()
-            )));
-        }
-        if angle <= last {
-            return Err(words.wrong(format!(
-                "{} is {angle} after {last}; expected ascending angles",
-                name()
-            )));
-        }
-        *place = angle;
-        last = angle;
-    }
-    Ok(list)
-}
-
 /// The C angles of the planes that are there [degrees], of all that are listed.
 fn c_angles(words: &mut Words, planes: usize, symmetry: Symmetry) -> Result<Vec<f64>> {
-    let all = ascending(words, "C angle", planes, [0.0, 360.0])?;
+    let all = angles(words, NEXT, "C angle", planes, [0.0, 360.0])?;
     let must = |at: usize, angle: f64| match (all[at] - angle).abs() <= ROUND {
         true => Ok(()),
         false => Err(words.wrong_before(

@@ -1,15 +1,18 @@
 //! IES LM-63, editions of 1986 to 2019.
 
+use super::grid::{Next, angles, intensities};
 use super::luminaire::{Opening, Photometry, Standard, Tilt};
 use super::planes::{Measured, Symmetry};
 use super::table::Goniometer;
-use super::words::{Negative, Words, decoded, in_file, shown};
+use super::words::{Words, decoded, shown};
 use crate::error::{Error, Result};
 use crate::file;
-use crate::memory;
 use crate::warning::Warning;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Numbers may stand in any line.
+const NEXT: Next = |words, what| words.number(what);
 
 /// A foot [m].
 const FOOT: f64 = 0.3048;
@@ -56,8 +59,8 @@ pub(super) fn read(path: &Path, name: &str, text: &str) -> Result<(Photometry, V
     let multiplier = factor(&mut words, "the multiplier of intensities")?;
     let rows = words.count("the number of vertical angles", 2, usize::MAX)?;
     let columns = words.count("the number of horizontal angles", 1, usize::MAX)?;
-    let values = rows.saturating_mul(columns);
-    if !words.has_room_for(values.saturating_add(rows + columns)) {
+    let angles_too = rows.saturating_add(columns);
+    if !words.has_room_for(rows.saturating_mul(columns).saturating_add(angles_too)) {
         return Err(words.wrong(format!(
             "{rows} vertical and {columns} horizontal angles are more than the file has numbers"
         )));
@@ -84,13 +87,13 @@ pub(super) fn read(path: &Path, name: &str, text: &str) -> Result<(Photometry, V
         Goniometer::B => [-180.0, 180.0],
         Goniometer::C => [0.0, 180.0],
     };
-    let vertical = angles(&mut words, "vertical", rows, range)?;
+    let vertical = angles(&mut words, NEXT, "vertical angle", rows, range)?;
     let range = match goniometer {
         Goniometer::A => [-180.0, 180.0],
         Goniometer::B => [-90.0, 90.0],
         Goniometer::C => [-360.0, 720.0],
     };
-    let mut horizontal = angles(&mut words, "horizontal", columns, range)?;
+    let mut horizontal = angles(&mut words, NEXT, "horizontal angle", columns, range)?;
     let symmetry = match goniometer {
         Goniometer::C => symmetry(&mut horizontal, &words, name, &mut warnings)?,
         _ if columns == 1 => {
@@ -104,40 +107,25 @@ pub(super) fn read(path: &Path, name: &str, text: &str) -> Result<(Photometry, V
     };
 
     let scale = multiplier * ballast * second;
-    let mut candela = memory::filled("the values of a lamp", values, 0.0)?;
-    let mut negative = Negative::default();
-    for (i, value) in candela.iter_mut().enumerate() {
-        let what = || {
-            let (h, v) = (horizontal[i / rows], vertical[i % rows]);
-            format!("the candela at vertical angle {v}, horizontal angle {h}")
-        };
-        let found = scale * words.number(what)?;
-        if !found.is_finite() {
-            return Err(words.wrong(format!("{} is beyond all numbers", what())));
-        }
-        negative.note(found, &words);
-        *value = found.max(0.0);
-    }
-    warnings.extend(negative.into_warning(name));
-    if let Some(word) = words.word() {
-        warnings.push(Warning::Photometry {
-            file: name.to_owned(),
-            problem: format!(
-                "`{}` in line {} and what follows stand after the last value and are not read",
-                shown(word),
-                words.number_of_line()
-            ),
-            remedy: "check the numbers of angles".into(),
-        });
-    }
-
+    let what = |i: usize, j: usize| {
+        let (h, v) = (horizontal[i], vertical[j]);
+        format!("the candela at vertical angle {v}, horizontal angle {h}")
+    };
+    let candela = intensities(
+        &mut words,
+        NEXT,
+        scale,
+        [columns, rows],
+        what,
+        &mut warnings,
+    )?;
     let measured = Measured {
         goniometer,
         horizontal,
         vertical,
         candela,
     };
-    let table = measured.complete(symmetry).map_err(|e| in_file(name, e))?;
+    let table = measured.complete(symmetry).map_err(|e| words.because(e))?;
     let photometry = Photometry {
         standard,
         description,
@@ -145,7 +133,8 @@ pub(super) fn read(path: &Path, name: &str, text: &str) -> Result<(Photometry, V
         symmetry,
         measured: [columns, rows],
         lamp_sets: [1, 1],
-        lamp_lumens: (lumens > 0.0 && lamps > 0).then(|| lumens * lamps as f64 * ballast * second),
+        lamp_lumens: (lumens > 0.0 && lamps > 0)
+            .then_some(lumens * lamps as f64 * ballast * second),
         luminaire_lumens: None,
         watts: (watts > 0.0).then_some(watts),
         opening: opening(size),
@@ -163,59 +152,29 @@ fn factor(words: &mut Words, what: &str) -> Result<f64> {
     }
 }
 
-/// The number after the ballast factor: until 1995 a factor too (of ballast and lamp together), in 2002 kept free, since 2019 how the file
-/// was made.
+/// The number after the ballast factor: until 1991 a factor too (of ballast and lamp together), then kept free, since 2019 how the
+/// file was made.
 fn second_factor(
     words: &mut Words,
     standard: Standard,
     name: &str,
     warnings: &mut Vec<Warning>,
 ) -> Result<f64> {
-    if standard <= (Standard::Lm63 { year: 1995 }) {
+    if standard <= (Standard::Lm63 { year: 1991 }) {
         return factor(words, "the ballast-lamp photometric factor");
     }
     let found = words.number(|| "the number for future use".into())?;
-    if standard == (Standard::Lm63 { year: 2002 }) && found != 1.0 {
+    if standard < (Standard::Lm63 { year: 2019 }) && found != 1.0 {
         warnings.push(Warning::Photometry {
             file: name.to_owned(),
             problem: format!(
-                "the number after the ballast factor, in line {}, is {found}, where LM-63-2002 has 1; intensities are not multiplied by it",
+                "the number after the ballast factor, in line {}, is {found}, where {standard} has 1; intensities are not multiplied by it",
                 words.number_of_line()
             ),
             remedy: "if it is a factor, put it into the multiplier".into(),
         });
     }
     Ok(1.0)
-}
-
-/// Ascending angles [degrees].
-fn angles(
-    words: &mut Words,
-    which: &str,
-    count: usize,
-    [least, greatest]: [f64; 2],
-) -> Result<Vec<f64>> {
-    let mut list = memory::filled("the angles of a lamp", count, 0.0)?;
-    let mut last = f64::NEG_INFINITY;
-    for (i, place) in list.iter_mut().enumerate() {
-        let name = || format!("{which} angle {} of {count}", i + 1);
-        let angle = words.number(name)?;
-        if !(least..=greatest).contains(&angle) {
-            return Err(words.wrong(format!(
-                "{} is {angle}; expected {least} to {greatest} degrees",
-                name()
-            )));
-        }
-        if angle <= last {
-            return Err(words.wrong(format!(
-                "{} is {angle} after {last}; expected ascending angles",
-                name()
-            )));
-        }
-        *place = angle;
-        last = angle;
-    }
-    Ok(list)
 }
 
 /// What the horizontal angles of type C say of symmetry; ends that are round but for rounding are made so.
@@ -350,7 +309,7 @@ fn edition(line: &str) -> Option<u16> {
 fn tilts(words: &mut Words) -> Result<Tilt> {
     let lamp = words.count("the lamp's position in the luminaire", 1, 3)?;
     let count = words.count("the number of tilts", 1, usize::MAX)?;
-    if !words.has_room_for(2 * count) {
+    if !words.has_room_for(count.saturating_mul(2)) {
         return Err(words.wrong(format!("{count} tilts are more than the file has numbers")));
     }
     let mut angles: Vec<f64> = Vec::new();

@@ -8,6 +8,7 @@
 
 mod distribution;
 mod eulumdat;
+mod grid;
 mod ies;
 mod luminaire;
 mod planes;

@@ -138,9 +138,9 @@ impl Table {
         };
         let [near, far] = [i, i + 1].map(|i| {
             let plane = &self.candela[i * self.vertical.len()..];
-            plane[j] + y * (plane[j + 1] - plane[j])
+            between(plane[j], plane[j + 1], y)
         });
-        (near + x * (far - near)).max(0.0)
+        between(near, far, x)
     }
 
     /// The horizontal and the vertical angle [degrees] of an angle from the lamp's axis and an azimuth about it [rad], as
@@ -254,6 +254,11 @@ impl Table {
         }
         sum
     }
+}
+
+/// What lies between two values at a share of the way, not beyond them by rounding.
+fn between(a: f64, b: f64, share: f64) -> f64 {
+    (a + share * (b - a)).clamp(a.min(b), a.max(b))
 }
 
 /// The integrals of sine times what falls from 1 to 0, and times what rises from 0 to 1, over [a, b] [rad].

@@ -1,7 +1,6 @@
 //! A text of lines and of words that may run over lines, which knows where it is.
 
 use crate::error::{Error, Result};
-use crate::warning::{Lines, Warning};
 use std::borrow::Cow;
 
 /// What an error about a broken file says to do.
@@ -97,6 +96,11 @@ impl<'a> Words<'a> {
         count <= self.rest.len() / 2 + 1
     }
 
+    /// The file's name.
+    pub fn file(&self) -> &'a str {
+        self.file
+    }
+
     /// Where what was taken last stands.
     pub fn place(&self) -> String {
         format!("{}:{}", self.file, self.last)
@@ -105,6 +109,14 @@ impl<'a> Words<'a> {
     /// What is wrong with what was taken last.
     pub fn wrong(&self, problem: impl Into<String>) -> Error {
         Error::input(self.place(), problem, REPAIR)
+    }
+
+    /// What does not go together in all that was taken so far.
+    pub fn because(&self, error: Error) -> Error {
+        match error {
+            Error::Domain { .. } => self.wrong(error.problem()),
+            other => other,
+        }
     }
 
     /// What is wrong with the line that stands so many before the one that was taken last.
@@ -217,46 +229,4 @@ pub(super) fn shown(text: &str) -> String {
         shown.push_str("...");
     }
     shown
-}
-
-/// What is wrong with a file as a whole.
-pub(super) fn in_file(file: &str, error: Error) -> Error {
-    match error {
-        Error::Domain { .. } => Error::input(file, error.problem(), REPAIR),
-        other => other,
-    }
-}
-
-/// Negative intensities, which are taken as 0.
-#[derive(Debug, Default)]
-pub(super) struct Negative(Option<Lines>);
-
-impl Negative {
-    /// Takes the value that `words` has given last into account.
-    pub fn note(&mut self, value: f64, words: &Words) {
-        const FIRST: usize = 5;
-        if value >= 0.0 {
-            return;
-        }
-        let line = words.last;
-        let lines = self.0.get_or_insert_with(|| Lines {
-            count: 0,
-            first: Vec::new(),
-            example: format!("{value} cd"),
-        });
-        if lines.first.last() != Some(&line) {
-            lines.count += 1;
-            if lines.first.len() < FIRST {
-                lines.first.push(line);
-            }
-        }
-    }
-
-    pub fn into_warning(self, file: &str) -> Option<Warning> {
-        self.0.map(|lines| Warning::DoubtfulLines {
-            file: file.to_owned(),
-            lines,
-            problem: "negative intensities, taken as 0".into(),
-        })
-    }
 }

@@ -7,6 +7,7 @@ pub mod files;
 pub mod flat;
 pub mod gltf;
 pub mod judge;
+pub mod lamps;
 pub mod obj;
 pub mod own_effects;
 pub mod receive;

@@ -198,3 +198,44 @@ for number, text in enumerate(
     ]
 ):
     put(f"seeds/time/{number}", place(48.8, 2.3, number % 3, text))
+put(
+    "seeds/ies/tilted",
+    """IESNA:LM-63-1995
+[TEST] 17
+[MANUFAC] nobody
+TILT=INCLUDE
+1
+3
+0 45 90
+1 0.9 0.8
+2 1000 2 5 4 1 2 0.1 0.2 0.3
+0.5 1 60
+0 30 60 90 120
+0 30 60 90
+100 90 80 40 5
+100 91 82 43 6
+100 93 84 45 7
+100 95 86 47 8
+""",
+)
+put(
+    "seeds/ies/type-b",
+    "IESNA91\r\nTILT=NONE\r\n1 -1 1 3 3 2 1 -0.1 0 0\r\n1 0.9 6\r\n-40, 0, 40\r\n-50 0 60\r\n1 2 3\r\n4 5 6\r\n7 8 9\r\n",
+)
+put("seeds/ies/type-a", "An old lamp\nTILT=NONE\n1 500 1 2 2 3 2 0 0 0\n1 1 6\n-90 90\n0 90\n1 2\n4 5\n")
+
+
+def eulumdat(symmetry: int, sets: list[str], planes: int, stored: int) -> bytes:
+    head = ["Nobody", "3", symmetry, planes, 360 / planes, 3, 45, "17", "A lamp", "4", "a.ldt", "today"]
+    head += [100, 100, 50, 80, 0, 0, 0, 0, 0, 100, 50, "1,0", 0, *sets]
+    angles = [i * 360 / planes for i in range(planes)] + [0, 45, 90]
+    values = [100 + i * 0.5 for i in range(3 * stored)]
+    lines = [*head, *[0.5] * 10, *angles, *values]
+    return b"\1" + "\r\n".join(str(line) for line in lines).replace(".", ",").encode()
+
+
+ONE = ["2", "LED", "2000", "white", "80", "25,5"]
+put("seeds/ldt/axis", eulumdat(1, ["1", *ONE], 1, 1))
+put("seeds/ldt/quadrants", eulumdat(4, ["1", *ONE], 8, 3))
+put("seeds/ldt/across", eulumdat(3, ["2", *ONE, "-1", *ONE[1:]], 8, 5))
+put("seeds/ldt/all", eulumdat(0, ["1", *ONE], 4, 4))

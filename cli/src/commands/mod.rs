@@ -6,6 +6,7 @@ pub mod accuracy_shafts;
 pub mod completions;
 pub mod daylight;
 pub mod doctor;
+pub mod photometry;
 pub mod plan;
 pub mod render;
 pub mod schema;

@@ -1,0 +1,20 @@
+//! Any bytes as an IES LM-63 file of a luminaire.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use std::path::Path;
+use tyndall::photometry::{Distribution, from_bytes};
+
+fuzz_target!(|bytes: &[u8]| {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/beside/a.ies"));
+    let Ok((lamp, _)) = from_bytes(path, bytes, 1) else {
+        return;
+    };
+    assert!(lamp.table.flux() >= 0.0);
+    let lamp = Distribution::Table(lamp.table);
+    for (theta, phi) in [(0.0, 0.0), (1.0, -2.0), (2.5, 9.0)] {
+        let value = lamp.relative(theta, phi);
+        assert!((0.0..=lamp.peak()).contains(&value), "{value}");
+    }
+});
