@@ -212,6 +212,24 @@ scale_height = 8000.0
 aerosol_scale_height = 1500.0
 aerosol_albedo = 0.95
 phase = { kind = "fog", droplet_um = 1.0 }
+[[light]]
+name = "desk"
+position = [0.5, 1.2, 0.5]
+toward = [0.2, -1, 0]
+around = [0, 0, 1.0]
+intensity = [40.0, 30, 20.0]
+to = [0.9, 1.2, 0.5]
+ignore = "default"
+distribution = { kind = "polka-dots", spread = 40.0, sharpness = 0.2, petals = 8, ratio = -0.3, rings = 4 }
+[[light]]
+position = [0, 2, 0]
+intensity = 5
+radius = 0.1
+distribution = { kind = "elliptical", spread = [20, 8.0], sharpness = 0.2 }
+[[light]]
+position = [0, 2, 0]
+intensity = 5
+edges = [[1, 0, 0], [0, 0, 1]]
 [picture]
 size = [960, 600]
 samples = 8

@@ -139,7 +139,10 @@ impl Together for Meter<'_> {
 
 /// The luminance of all layers together and of some, of each point; layers of points are illuminances [lx].
 fn illuminances(frame: &Frame, count: usize, columns: &[Field]) -> Result<Vec<f64>> {
-    let layers: Vec<_> = columns.iter().map(|field| frame.layer(field.name())).collect();
+    let layers: Vec<_> = columns
+        .iter()
+        .map(|field| frame.layer(field.name()))
+        .collect();
     let values: Vec<f64> = (0..count)
         .flat_map(|i| {
             let of_layers = layers
