@@ -133,7 +133,8 @@ pub fn encode_plain(rgb_working: DVec3, ev100: f64, pixel: [u32; 2], dither: boo
     codes(rgb.clamp(DVec3::ZERO, DVec3::ONE), pixel, dither)
 }
 
-fn codes(rgb: DVec3, pixel: [u32; 2], dither: bool) -> [u8; 3] {
+/// 8-bit sRGB codes of light of a display, linear Rec. 709 in 0 to 1 ([`display`]): step 4.
+pub fn codes(rgb: DVec3, pixel: [u32; 2], dither: bool) -> [u8; 3] {
     // The same noise for the three channels: grey grain is seen less than coloured (mean Delta E 2000 0.26 against 0.39).
     let noise = NOISE * triangular(pixel);
     rgb.to_array().map(|linear| {

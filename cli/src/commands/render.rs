@@ -15,7 +15,7 @@ use tyndall::Result;
 use tyndall::backend::Rendered;
 use tyndall::backend::check::{Check, Yardstick};
 use tyndall::backend::choose::choose;
-use tyndall::colour::{Space, display, exposure, luminance};
+use tyndall::colour::{Space, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
@@ -109,9 +109,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             Format::Exr => output::exr::write(path, &rendered.frame, &space, &layers)?,
             Format::Hdr => output::hdr::write(path, &rendered.frame, &space)?,
             Format::Png => {
-                let bytes = output::png::encode(&rendered.frame, |x, y, rgb| {
-                    display::encode(rgb, ev100, [x, y], true)
-                });
+                let bytes = output::png::encode(&rendered.frame, ev100);
                 output::png::write(path, rendered.frame.width, rendered.frame.height, &bytes)?;
             }
         }

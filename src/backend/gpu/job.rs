@@ -17,7 +17,7 @@ use crate::backend::film::{self, Film};
 use crate::backend::rendering::{Made, PICTURE, Rendered, StepTime, Traffic};
 use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
 use crate::error::Result;
-use crate::frame::NO_HIT;
+use crate::frame::{Mixture, NO_HIT};
 use crate::plan::{Plan, sample_positions};
 use crate::scene::{Projection, Ray};
 use crate::task::Task;
@@ -215,6 +215,9 @@ impl<'j> Job<'j> {
         let mut filled = false;
         for corner in corners {
             let extent = self.tile.min(size - corner);
+            let several = film.is_some() && offsets.len() > 1;
+            let pixels = if several { extent.x * extent.y } else { 0 };
+            let mut mixtures = vec![Mixture::default(); pixels as usize];
             for (index, offset) in offsets.iter().enumerate() {
                 self.task.check()?;
                 self.sample = index as u32;
@@ -230,6 +233,7 @@ impl<'j> Job<'j> {
                         let fields: Vec<Field> = self.fields.iter().map(|t| t.field).collect();
                         let found = self.read(&fields)?;
                         self.put(film, corner, extent, &found, share, index == central);
+                        self.mix(&mut mixtures, &found);
                     }
                     None => {
                         let layers = self.fields.iter().filter(|t| t.field.is_layer());
@@ -240,11 +244,17 @@ impl<'j> Job<'j> {
                 done += 1.0;
                 self.task.tell(done / count);
             }
+            for (i, mixture) in mixtures.iter().enumerate() {
+                if let Some(film) = &mut film {
+                    film.mix(pixel_of(i, corner, extent), mixture);
+                }
+            }
         }
         let times = self.timer.take(self.device)?;
         let after = self.device.traffic();
         self.made.maps = self.maps.as_ref().map_or(0, |maps| maps.runs);
         Ok(Rendered {
+            notes: film.as_ref().map(Film::notes).unwrap_or_default(),
             frame: film.map(Film::into_frame).unwrap_or_default(),
             steps: self.steps(times.as_deref()),
             traffic: Traffic {
@@ -255,7 +265,6 @@ impl<'j> Job<'j> {
             refined: 0,
             made: self.made,
             elapsed: start.elapsed(),
-            notes: Vec::new(),
         })
     }
 
@@ -630,6 +639,28 @@ impl<'j> Job<'j> {
                 }
             }
         }
+    }
+
+    /// Adds the picture of a sample of a tile to what its pixels hold.
+    fn mix(&self, mixtures: &mut [Mixture], found: &[u8]) {
+        let mut at = 0;
+        let mut layers = Vec::new();
+        for target in &self.fields {
+            if target.field.is_layer() {
+                layers.push(&found[at..at + target.bytes as usize]);
+            }
+            at += target.bytes as usize;
+        }
+        mixtures
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(i, mixture)| {
+                let value = |bytes: &&[u8]| {
+                    let word = |w: usize| float(bytes, 4 * i + w);
+                    Vec3::new(word(0), word(1), word(2))
+                };
+                mixture.add(layers.iter().map(value).sum());
+            });
     }
 }
 

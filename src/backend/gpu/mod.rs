@@ -234,7 +234,7 @@ impl Gpu {
             Job::new(plan, lent, limits.task(progress))?.render(limits.memory, growing)?;
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
-        rendered.notes = self.kept.take_notes();
+        rendered.notes.extend(self.kept.take_notes());
         Ok(rendered)
     }
 }
