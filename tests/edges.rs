@@ -6,11 +6,12 @@ use common::build::{conditions, quad, scene};
 use common::own_effects::{by_reference, on_gpu};
 use glam::{DVec2, DVec3};
 use tyndall::colour::display::{codes, display};
-use tyndall::conditions::Conditions;
+use tyndall::colour::srgb_decode;
+use tyndall::conditions::{Conditions, sample_positions};
 use tyndall::effect::{ALL, Contribution, Decision, Effect, Field};
 use tyndall::frame::Frame;
 use tyndall::output::png;
-use tyndall::plan::{Overrules, Plan, sample_positions};
+use tyndall::plan::{Overrules, Plan};
 use tyndall::scene::{Camera, Projection};
 
 const SKY: f64 = 10_000.0;
@@ -136,6 +137,59 @@ fn an_edge_is_shown_in_proportion_to_what_it_covers() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn the_sun_s_rim_is_shown_in_proportion_to_what_it_covers() {
+    const SAMPLES: u32 = 16;
+    // A disc of 24.4 pixels across, its centre off theirs; alone before a black sky.
+    let diameter = 0.533f64.to_radians();
+    let toward = DVec3::new(0.0, 0.6f64.sin(), -0.6f64.cos());
+    let aside = DVec3::new(2e-4, 1e-4, 0.0);
+    let mut scene = scene(&[], 0.0, 0.6f64.to_degrees());
+    let sun = scene.sun.as_mut().expect("it has one");
+    sun.diameter_deg = Some(0.533);
+    let camera = Camera::look_at(DVec3::ZERO, toward + aside, diameter * 32.0 / 24.4);
+    let disc = ALL.iter().find(|effect| effect.name == "sun_disc");
+    let visibility = ALL.iter().find(|effect| effect.name == "visibility");
+    let effects = [visibility, disc].map(|effect| *effect.expect("it is there"));
+    let mut conditions = conditions(scene, camera, [32, 32]);
+    let once = Plan::with(&conditions, &Overrules::default(), &effects).expect("they fit");
+    let once = by_reference(&once).frame;
+    conditions.view.samples = SAMPLES;
+    let plan = Plan::with(&conditions, &Overrules::default(), &effects).expect("they fit");
+    let mut frames = vec![by_reference(&plan).frame];
+    if common::gpu("the_sun_s_rim_is_shown_in_proportion_to_what_it_covers") {
+        frames.push(on_gpu(&plan).frame);
+    }
+    let brightest = |frame: &Frame| {
+        let pixels = (0..frame.pixels()).map(|pixel| frame.picture(pixel).x);
+        pixels.fold(0.0, f64::max)
+    };
+    for frame in frames {
+        let mut rim = 0;
+        let full = brightest(&frame);
+        for (pixel, code) in png::encode(&frame, 14.0).chunks_exact(3).enumerate() {
+            // The linear mean is what one ray gives, exactly the disc's part of the pixel.
+            let (mean, exact) = (frame.picture(pixel).x, once.picture(pixel).x);
+            assert!((mean - exact).abs() <= 1e-5 * full, "{mean} {exact}");
+            let at = conditions.view.ray(DVec2::new(
+                (pixel % 32) as f64 + 0.5,
+                (pixel / 32) as f64 + 0.5,
+            ));
+            let from_rim = (at.direction.angle_between(toward) / diameter - 0.5) * 24.4;
+            let shown = srgb_decode(f64::from(code[0]) / 255.0);
+            if from_rim.abs() > 0.8 {
+                assert!((shown - f64::from(from_rim < 0.0)).abs() < 0.01, "{shown}");
+            } else {
+                // A straight rim across a pixel at any angle: what it covers is known to 0.15.
+                rim += 1;
+                assert!((shown - (0.5 - from_rim).clamp(0.0, 1.0)).abs() < 0.15 + 1.0 / 16.0);
+            }
+        }
+        assert!(rim > 60, "{rim}");
+        assert!(frame.mixed.pixels() > 50);
     }
 }
 

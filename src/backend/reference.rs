@@ -8,11 +8,11 @@
 use super::film::Film;
 use super::rendering::{Limits, PICTURE, Rendered, StepTime};
 use crate::colour::luminance;
-use crate::conditions::{Conditions, spread};
+use crate::conditions::{Conditions, sample_positions, spread};
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
 use crate::error::Result;
 use crate::frame::{Frame, Layer, Mixture, NO_HIT, Part};
-use crate::plan::{Plan, sample_positions};
+use crate::plan::Plan;
 use crate::task::{Progress, Task};
 use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;

@@ -18,7 +18,7 @@ pub use brightest::Brightest;
 pub use inputs::{Input, Snapshot};
 pub use request::{CameraChoice, Request};
 pub use sun::Sun;
-pub use view::{Receiver, Receivers, View, spread};
+pub use view::{Receiver, Receivers, View, sample_positions, spread};
 
 use crate::colour::luminance;
 use crate::medium::{Air, Shape};

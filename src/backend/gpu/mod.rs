@@ -114,7 +114,7 @@ impl Gpu {
 
     /// Renders a plan.
     ///
-    /// With more than one sample, all pixels take the mean of as many rays, at the places of [`crate::plan::sample_positions`];
+    /// With more than one sample, all pixels take the mean of as many rays, at the places of [`crate::conditions::sample_positions`];
     /// distance and normal are those of the ray nearest the pixel's centre.
     ///
     /// # Errors
