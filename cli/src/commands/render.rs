@@ -15,6 +15,7 @@ use tyndall::Result;
 use tyndall::backend::Rendered;
 use tyndall::backend::check::{Check, Yardstick};
 use tyndall::backend::choose::choose;
+use tyndall::backend::convergence::Convergence;
 use tyndall::colour::{Space, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
@@ -98,6 +99,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let mut rendered = backend.render(&plan, &limits, &|step| tell::step(&bar, step))?;
     bar.finish_and_clear();
 
+    let converging = Instant::now();
+    let convergence = Convergence::of(&plan, pixels_to_converge(&rendered.frame))?;
+    let converging = converging.elapsed();
     let writing = Instant::now();
     let ev100 = ev100(args, &conditions, &rendered.frame);
     let record = &mut rendered.frame.record;
@@ -116,12 +120,25 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     let mut stages = vec![("prepare".to_owned(), prepared.as_secs_f64())];
     stages.extend(work::stages(&backend, &rendered));
+    if convergence.is_some() {
+        stages.push(("convergence".to_owned(), converging.as_secs_f64()));
+    }
     stages.push(("write".to_owned(), writing.elapsed().as_secs_f64()));
     tell::rendered(&rendered, ev100, &stages);
+    if let Some(convergence) = &convergence {
+        tell::convergence(convergence);
+    }
     tell::files(&files);
     let check = check(args, &conditions, &rendered.frame)?;
     let work = work::details(&backend, &rendered);
-    let report = report(&plan, &rendered, work, &stages, &files, check.as_ref());
+    let report = report(
+        &plan,
+        &rendered,
+        work,
+        &stages,
+        &files,
+        (check.as_ref(), convergence.as_ref()),
+    );
     if let Some(path) = &args.report {
         output::report::write(path, &report)?;
     }
@@ -140,6 +157,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// On how many pixels it is measured how far points of the sun's disc are from converged: few against the picture's own.
+fn pixels_to_converge(frame: &Frame) -> usize {
+    (frame.pixels() / 32).clamp(64, 1024)
 }
 
 /// The measured error, if it was asked for. It is compared with the reference at its finest, with the same effects.
@@ -172,7 +194,7 @@ fn report(
     work: serde_json::Value,
     stages: &[(String, f64)],
     files: &[PathBuf],
-    check: Option<&Check>,
+    (check, convergence): (Option<&Check>, Option<&Convergence>),
 ) -> serde_json::Value {
     json!({
         "schema": 1,
@@ -186,6 +208,7 @@ fn report(
         "render_seconds": rendered.elapsed.as_secs_f64(),
         "work": work,
         "check": check,
+        "convergence": convergence,
         "files": files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
     })
 }
