@@ -20,7 +20,7 @@ fn conditions() -> Conditions {
         -120.0 * DVec3::Z,
     );
     let mesh = &mut view.scene.mesh;
-    let positions: Vec<DVec3> = mesh.positions.iter().copied().collect();
+    let positions: Vec<DVec3> = mesh.positions.to_vec();
     let mut triangles: Vec<[DVec3; 3]> = mesh
         .triangles
         .iter()

@@ -28,4 +28,4 @@ mod rendering;
 
 pub use crate::task::{Progress, Step};
 pub use interface::{Backend, Wanted};
-pub use rendering::{Limits, Made, PICTURE, Rendered, StepTime, Traffic};
+pub use rendering::{Limits, Made, PICTURE, Rendered, StartUp, StepTime, Traffic};

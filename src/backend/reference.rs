@@ -6,7 +6,7 @@
 //! the air's where only surfaces or background do. So are all that show surfaces which let light through.
 
 use super::film::Film;
-use super::rendering::{Limits, PICTURE, Rendered, StepTime};
+use super::rendering::{Limits, PICTURE, Rendered, StartUp, StepTime};
 use crate::colour::luminance;
 use crate::conditions::{Conditions, sample_positions, spread};
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
@@ -86,6 +86,7 @@ pub struct Reference<'a> {
     plan: &'a Plan<'a>,
     steps: Vec<Prepared<'a>>,
     written: Vec<Field>,
+    start_up: StartUp,
 }
 
 impl<'a> Reference<'a> {
@@ -103,6 +104,7 @@ impl<'a> Reference<'a> {
     /// Those of the effects; [`crate::Error::Stopped`] when the work was stopped.
     pub fn keeping(plan: &'a Plan<'a>, kept: &Kept, task: Task<'_>) -> Result<Self> {
         let kept = kept.keeper(task);
+        let mut start_up = StartUp::default();
         let steps: Result<Vec<_>> = plan
             .running()
             .map(|step| {
@@ -111,9 +113,12 @@ impl<'a> Reference<'a> {
                     effect: step.effect.name,
                     values: &step.settings,
                 };
+                // It knows none of the methods by which a GPU integrates sunlight in the air.
+                let name = step.effect.method.map_or(step.effect.name, |_| "shafts");
+                let prepare = || (step.effect.reference)(plan.conditions, &settings, &kept);
                 Ok(Prepared {
                     effect: step.effect,
-                    run: (step.effect.reference)(plan.conditions, &settings, &kept)?,
+                    run: start_up.timed(&format!("{name}.prepare"), prepare)?,
                     nanoseconds: AtomicU64::new(0),
                     runs: AtomicU32::new(0),
                 })
@@ -123,6 +128,7 @@ impl<'a> Reference<'a> {
             plan,
             steps: steps?,
             written: plan.written(),
+            start_up,
         })
     }
 
@@ -266,6 +272,7 @@ impl<'a> Reference<'a> {
             notes: film.notes(),
             frame: film.into_frame(),
             steps: self.times(),
+            start_up: self.start_up.clone(),
             refined,
             elapsed: start.elapsed(),
             ..Rendered::default()

@@ -83,9 +83,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // What is wrong with the flags is said before anything is measured.
     Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    let mut backend = machine::open(args.backend.wanted())?;
     let limits = args.memory.limits();
     let mut overrules = args.plan.overrules();
+    let mut stages = vec![("prepare".to_owned(), start.elapsed().as_secs_f64())];
+    let opening = Instant::now();
+    let mut backend = machine::open(args.backend.wanted())?;
+    stages.push(("device".to_owned(), opening.elapsed().as_secs_f64()));
+    let planning = Instant::now();
     if let Some(goal) = args.plan.goal() {
         let chosen = choose(&mut backend, &conditions, &overrules, goal, &limits)?;
         tell::chosen(&chosen.why);
@@ -93,7 +97,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     let plan = Plan::new(&conditions, &overrules)?;
     tell::plan(&plan, &backend.describe());
-    let prepared = start.elapsed();
+    stages.push(("plan".to_owned(), planning.elapsed().as_secs_f64()));
 
     let bar = tell::bar();
     let mut rendered = backend.render(&plan, &limits, &|step| tell::step(&bar, step))?;
@@ -118,7 +122,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             }
         }
     }
-    let mut stages = vec![("prepare".to_owned(), prepared.as_secs_f64())];
     stages.extend(work::stages(&backend, &rendered));
     if convergence.is_some() {
         stages.push(("convergence".to_owned(), converging.as_secs_f64()));

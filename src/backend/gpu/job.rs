@@ -2,10 +2,10 @@
 
 use super::beams::{BeamMaps, Drawing, Slots};
 use super::device::Device;
-use super::draw::{Draw, dispatch, tile_groups};
+use super::draw::{Draw, dispatch, tile_groups, warm};
 use super::on_device::Growing;
 use super::pipeline::Pipelines;
-use super::prepare::{Compute, Filling, Maker, Stage, Work};
+use super::prepare::{self, Compute, Filling, Maker, Stage, Work};
 use super::scene::{Plane, SceneOnDevice, Triangles};
 use super::schedule::{Action, Schedule};
 use super::shared;
@@ -14,7 +14,7 @@ use super::tile::{Target, TileBuffers};
 use super::timer::Timer;
 use super::window;
 use crate::backend::film::{self, Film};
-use crate::backend::rendering::{Made, PICTURE, Rendered, StepTime, Traffic};
+use crate::backend::rendering::{Made, PICTURE, Rendered, StartUp, StepTime, Traffic};
 use crate::conditions::sample_positions;
 use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
 use crate::error::Result;
@@ -75,6 +75,9 @@ pub struct Job<'j> {
     /// What the CPU knows of the tile's rays, once it was asked.
     pub on_cpu: Option<Vec<Fields>>,
     pub made: Made,
+    start_up: StartUp,
+    /// Compiling that drivers leave to the first run.
+    late: Duration,
     /// Before anything was prepared.
     before: Traffic,
     pub task: Task<'j>,
@@ -93,11 +96,14 @@ impl<'j> Job<'j> {
             counting,
         } = lent;
         task.check()?;
+        let begin = Instant::now();
+        let mut start_up = StartUp::default();
         let before = device.traffic();
         let compiled = pipelines.compiled;
         store.begin();
-        let corners = scene
-            .buffer(device, plan.conditions, &Resource::Corners)?
+        let make = || scene.buffer(device, plan.conditions, &Resource::Corners);
+        let corners = start_up
+            .timed(prepare::SCENE, make)?
             .expect("corners are a buffer of the scene");
         let TileBuffers {
             tile,
@@ -125,9 +131,11 @@ impl<'j> Job<'j> {
             schedule: Schedule::default(),
             fillings: Vec::new(),
             maps: None,
+            start_up,
         };
         maker.all()?;
         let Maker {
+            mut start_up,
             stages,
             schedule,
             fillings,
@@ -146,7 +154,10 @@ impl<'j> Job<'j> {
         let anchor = scene.anchor;
         let deepest = window::deepest(plan.conditions, &scene.casters);
         let (triangles, planes, slots) = scene.parts(traced);
+        let rest = begin.elapsed().saturating_sub(start_up.time());
+        start_up.add("buffers", rest);
         Ok(Job {
+            start_up,
             plan,
             device,
             pipelines,
@@ -175,6 +186,7 @@ impl<'j> Job<'j> {
             sample: 0,
             on_cpu: None,
             made,
+            late: Duration::ZERO,
             before,
             task: task.stage(PICTURE),
         })
@@ -253,6 +265,7 @@ impl<'j> Job<'j> {
         }
         let times = self.timer.take(self.device)?;
         let after = self.device.traffic();
+        self.start_up.add(prepare::PIPELINES, self.late);
         self.made.maps = self.maps.as_ref().map_or(0, |maps| maps.runs);
         Ok(Rendered {
             notes: film.as_ref().map(Film::notes).unwrap_or_default(),
@@ -265,7 +278,8 @@ impl<'j> Job<'j> {
             },
             refined: 0,
             made: self.made,
-            elapsed: start.elapsed(),
+            elapsed: start.elapsed().saturating_sub(self.late),
+            start_up: self.start_up,
         })
     }
 
@@ -448,18 +462,17 @@ impl<'j> Job<'j> {
     /// Runs a stage of computing, over `otherwise` workgroups unless it has its own number.
     fn compute(&mut self, index: usize, otherwise: [u32; 2]) -> Result<()> {
         let stage = &mut self.stages[index];
-        let Work::Compute(compute) = &stage.work else {
+        let Work::Compute(compute) = &mut stage.work else {
             return Ok(());
         };
         stage.runs += 1;
-        dispatch(
-            self.device,
-            self.timer,
-            index,
-            &compute.pipeline,
-            &[&self.common, &compute.group],
-            compute.groups.unwrap_or(otherwise),
-        )
+        let groups = [&self.common, &compute.group];
+        if std::mem::take(&mut compute.cold) {
+            self.late += warm(self.device, &compute.pipeline, &groups)?;
+        }
+        let over = compute.groups.unwrap_or(otherwise);
+        let pipeline = &compute.pipeline;
+        dispatch(self.device, self.timer, index, pipeline, &groups, over)
     }
 
     /// Runs a stage that fills what is kept.
@@ -579,14 +592,18 @@ impl<'j> Job<'j> {
                     pipeline,
                     group,
                     groups,
+                    cold,
                     ..
-                }) = &stage.work
+                }) = &mut stage.work
                 else {
                     continue;
                 };
                 stage.runs += 1;
                 let over = groups.unwrap_or(tile_groups(extent));
-                let groups = [&self.common, group, &ask];
+                let groups = [&self.common, &*group, &ask];
+                if std::mem::take(cold) {
+                    self.late += warm(self.device, pipeline, &groups)?;
+                }
                 dispatch(self.device, self.timer, index, pipeline, &groups, over)?;
                 self.take_counts(index)?;
             }

@@ -56,6 +56,7 @@ use job::{Job, Lent};
 use pipeline::{BUFFERS_COUNTING, Pipelines};
 use scene::SceneOnDevice;
 use std::sync::Arc;
+use std::time::Instant;
 use store::Store;
 use timer::Timer;
 
@@ -206,6 +207,7 @@ impl Gpu {
         self.kept.take_made();
         self.kept.take_notes();
         let mut loaded = false;
+        let begin = Instant::now();
         match &mut self.scene {
             Some(scene) if scene.is_of(conditions) => scene.follow(conditions),
             slot => {
@@ -230,8 +232,10 @@ impl Gpu {
             timer,
             counting,
         };
+        let before = begin.elapsed();
         let mut rendered =
             Job::new(plan, lent, limits.task(progress))?.render(limits.memory, growing)?;
+        rendered.start_up.add(prepare::SCENE, before);
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
         rendered.notes.extend(self.kept.take_notes());
