@@ -5,7 +5,6 @@
 use std::path::PathBuf;
 use tyndall::Result;
 use tyndall::backend::{Backend, Limits, Wanted};
-use tyndall::colour::display;
 use tyndall::conditions::{Conditions, Request};
 use tyndall::output::png;
 use tyndall::plan::{Overrules, Plan};
@@ -29,9 +28,7 @@ fn main() -> Result<()> {
         let plan = Plan::new(&conditions, &Overrules::default())?;
         let rendered = backend.render(&plan, &Limits::default(), &|_| {})?;
         let frame = &rendered.frame;
-        let bytes = png::encode(frame, |x, y, rgb| {
-            display::encode(rgb, EXPOSURE, [x, y], true)
-        });
+        let bytes = png::encode(frame, EXPOSURE);
         let path = folder.join(format!("{minute:02}.png"));
         png::write(&path, frame.width, frame.height, &bytes)?;
         let (seconds, made) = (rendered.elapsed.as_secs_f64(), &rendered.made);

@@ -7,6 +7,7 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 use tyndall::backend::gpu::{Device, Gpu};
 use tyndall::backend::{Backend, Limits, Made, PICTURE, Rendered, Step, Wanted};
 use tyndall::colour::luminance;
@@ -241,6 +242,34 @@ fn views_outside_their_domain_are_refused() {
     refused(small, "5 points");
     let view = View::of_points([sound; 5]);
     assert!(conditions.seen_from(view).is_ok());
+}
+
+#[test]
+fn start_up_and_rays_are_all_of_the_time() {
+    for wanted in backends("start_up_and_rays_are_all_of_the_time") {
+        let now = nave([36, 22]);
+        let mut backend = Backend::open(wanted).expect("it can be opened");
+        let mut prepared = Duration::MAX;
+        for _ in 0..2 {
+            let plan = plan(&now);
+            let begin = Instant::now();
+            let rendered = by(&mut backend, &plan);
+            let wall = begin.elapsed();
+            let told = rendered.start_up.time() + rendered.elapsed;
+            eprintln!("{wanted:?}: {wall:?}, {told:?}, {:?}", rendered.start_up);
+            assert!(told <= wall, "{told:?} of {wall:?}");
+            let least = wall.mul_f64(0.95).saturating_sub(Duration::from_millis(20));
+            assert!(told >= least, "{told:?} of {wall:?}");
+            let named: Vec<&str> = rendered.start_up.stages().map(|(name, _)| name).collect();
+            assert!(named.contains(&"radiosity.prepare"), "{named:?}");
+            let compiles = named.contains(&"pipelines") && named.contains(&"scene to device");
+            assert_eq!(compiles, wanted == Wanted::Gpu, "{named:?}");
+            // What lasts is there for the second.
+            let time = rendered.start_up.time();
+            assert!(time < prepared / 2, "{time:?} after {prepared:?}");
+            prepared = time;
+        }
+    }
 }
 
 #[test]

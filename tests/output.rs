@@ -8,6 +8,7 @@ use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use tyndall::colour::display;
 use tyndall::frame::{Field, Frame, Layer, NO_HIT};
 use tyndall::output::{OutputSpace, atomic, check_targets, exr, hdr, png, report, select_layers};
 
@@ -399,10 +400,12 @@ fn the_png_decodes_to_the_bytes_given() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.png");
     let frame = frame(13, 7);
-    let bytes = png::encode(&frame, |x, y, rgb| {
-        [x as u8, 10 * y as u8, (rgb.x % 251.0) as u8]
-    });
-    assert_eq!(bytes[3 * (2 * 13 + 5)..][..2], [5, 20]);
+    let bytes = png::encode(&frame, 12.0);
+    for (pixel, found) in bytes.chunks_exact(3).enumerate() {
+        let at = [pixel % 13, pixel / 13].map(|n| n as u32);
+        let codes = display::encode(frame.picture(pixel), 12.0, at, true);
+        assert_eq!(found, codes);
+    }
     png::write(&path, 13, 7, &bytes).expect("the file is written");
     let decoded = image::open(&path).expect("image reads it").into_rgb8();
     assert_eq!(decoded.dimensions(), (13, 7));

@@ -4,6 +4,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::PathBuf;
 use tyndall::Error;
+use tyndall::backend::convergence::Convergence;
 use tyndall::backend::{Rendered, Step};
 use tyndall::conditions::Conditions;
 use tyndall::effect::Contribution;
@@ -140,6 +141,29 @@ pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
         line("light", note);
     }
     line("exposure", format!("EV100 {ev100:.2}"));
+}
+
+/// How far points of the sun's disc are from converged.
+pub fn convergence(convergence: &Convergence) {
+    let layers = convergence.layers.iter();
+    let layers: Vec<String> = layers
+        .map(|layer| {
+            let [_, high] = layer.interval;
+            format!(
+                "{} by {:.1e} RMS (at most {high:.1e})",
+                layer.layer, layer.relative_rmse
+            )
+        })
+        .collect();
+    line(
+        "converged",
+        format!(
+            "{} points of the sun's disc: half as many change {}, on {} pixels",
+            convergence.points,
+            layers.join(", "),
+            convergence.pixels
+        ),
+    );
 }
 
 /// What was written.

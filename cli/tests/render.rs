@@ -110,6 +110,56 @@ fn a_picture_is_written_and_everything_is_said_on_standard_error() {
 }
 
 #[test]
+fn the_stages_are_all_of_the_time() {
+    let folder = folder();
+    scene(folder.path());
+    let begin = std::time::Instant::now();
+    let report = report(folder.path(), &["--samples", "4"]);
+    let wall = begin.elapsed().as_secs_f64();
+    let stages = report["stages"].as_array().expect("stages");
+    let named = |name: &str| stages.iter().any(|stage| stage["name"] == name);
+    for name in ["prepare", "device", "plan", "radiosity.prepare", "write"] {
+        assert!(named(name), "{name} is not in {stages:?}");
+    }
+    let seconds = stages.iter().filter_map(|stage| stage["seconds"].as_f64());
+    let sum: f64 = seconds.sum();
+    // The process itself starts and ends too.
+    assert!(sum <= wall && sum >= 0.95 * wall - 0.3, "{sum} of {wall} s");
+    assert!(report["convergence"].is_null(), "nothing goes by points");
+}
+
+#[test]
+fn the_plain_way_says_how_far_it_is_from_converged() {
+    let folder = folder();
+    scene(folder.path());
+    let flags = "--quality reference --size 24x15 --without radiosity --without air_sky";
+    let flags: Vec<&str> = flags.split(' ').collect();
+    let report = report(folder.path(), &flags);
+    let convergence = &report["convergence"];
+    assert_eq!(convergence["points"], 128);
+    let layers = convergence["layers"].as_array().expect("layers");
+    let names: Vec<&str> = layers.iter().filter_map(|l| l["layer"].as_str()).collect();
+    assert_eq!(names, ["sun", "inscatter_sun"]);
+    for layer in layers {
+        let change = layer["relative_rmse"].as_f64().expect("a number");
+        assert!((0.0..0.1).contains(&change), "{layer}");
+    }
+    let said = std::fs::read_to_string(folder.path().join("said")).expect("what was said");
+    assert!(said.contains("half as many change sun by"), "{said}");
+}
+
+/// The report of a picture of the scene; what was said lies beside it in `said`.
+fn report(folder: &Path, flags: &[&str]) -> serde_json::Value {
+    let all = [&["render", "slats.toml", "--report", "report.json"], flags].concat();
+    let output = tyndall(folder, &all);
+    let said = stderr(&output);
+    assert!(output.status.success(), "{said}");
+    std::fs::write(folder.join("said"), said).expect("it is written");
+    let text = std::fs::read_to_string(folder.join("report.json")).expect("a report");
+    serde_json::from_str(&text).expect("it is JSON")
+}
+
+#[test]
 fn the_same_command_makes_the_same_bytes() {
     let folder = folder();
     scene(folder.path());

@@ -117,7 +117,7 @@ impl Yardstick {
 }
 
 /// One random pixel of each cell of a grid of about `count` cells; all pixels when there are no more.
-fn stratified([width, height]: [u32; 2], count: usize) -> Vec<UVec2> {
+pub(super) fn stratified([width, height]: [u32; 2], count: usize) -> Vec<UVec2> {
     let aspect = f64::from(width) / f64::from(height);
     let columns = (count as f64 * aspect)
         .sqrt()

@@ -1,7 +1,7 @@
 //! The picture as it grows: values by field, means over samples, and whether it fits into memory.
 
 use crate::error::{Error, Result};
-use crate::frame::{Field, Frame, Layer, Part};
+use crate::frame::{Field, Frame, Layer, Mixture, Part};
 use crate::memory;
 use glam::{UVec2, Vec3};
 
@@ -30,6 +30,10 @@ pub(super) struct Film {
     /// Which of the frame's layers each field is.
     slots: [Option<usize>; Field::COUNT],
     shared: bool,
+    /// What the edges of pixels may hold [bytes].
+    room: u64,
+    /// Mixed pixels for which there was none.
+    unresolved: usize,
 }
 
 impl Film {
@@ -44,13 +48,10 @@ impl Film {
     /// # Errors
     /// [`Error::Input`] when it would hold more than `limit` bytes, [`Error::Failed`] when the system has not as much.
     pub fn new([width, height]: [u32; 2], written: &[Field], limit: u64) -> Result<Self> {
-        fits(
-            [width, height],
-            Self::bytes([width, height], written),
-            limit,
-        )?;
+        let bytes = Self::bytes([width, height], written);
+        fits([width, height], bytes, limit)?;
         let what = "the picture";
-        memory::check(what, Self::bytes([width, height], written))?;
+        memory::check(what, bytes)?;
         let mut frame = Frame::new(width, height)?;
         let mut slots = [None; Field::COUNT];
         let pixels = frame.pixels();
@@ -69,6 +70,8 @@ impl Film {
             frame,
             slots,
             shared,
+            room: limit - bytes,
+            unresolved: 0,
         })
     }
 
@@ -97,6 +100,26 @@ impl Film {
         if let Some(place) = self.value(field, pixel) {
             *place += value;
         }
+    }
+
+    /// Sets what a pixel shows on a display, where its mean does not say it.
+    pub fn mix(&mut self, pixel: UVec2, mixture: &Mixture) {
+        let place = (self.index(pixel), self.frame.pixels());
+        if mixture.is_mixed() && !self.frame.mixed.keep(place, mixture, self.room) {
+            self.unresolved += 1;
+        }
+    }
+
+    /// What is to be said of the picture.
+    pub fn notes(&self) -> Vec<String> {
+        let count = self.unresolved;
+        let note = || {
+            format!(
+                "{count} pixels at edges of very different brightness are shown by their linear mean, as the frame's memory is full \
+                 (--max-memory)"
+            )
+        };
+        (count > 0).then(note).into_iter().collect()
     }
 
     /// Sets distance [m] and normal of what a pixel shows.
@@ -137,6 +160,27 @@ mod tests {
         assert_eq!(frame.transmittance[1], Vec3::splat(0.5));
         assert_eq!(frame.depth[1], 3.0);
         frame.check().expect("it can be written");
+    }
+
+    #[test]
+    fn edges_that_do_not_fit_are_said_and_shown_by_their_mean() {
+        let written = [Field::Sky];
+        let bytes = Film::bytes([2, 2], &written);
+        let mut mixture = Mixture::default();
+        mixture.add(Vec3::ONE);
+        mixture.add(Vec3::splat(1e4));
+        for (more, kept) in [(0, 0), (48, 1), (80, 2)] {
+            let mut film = Film::new([2, 2], &written, bytes + more).expect("it fits");
+            film.mix(UVec2::ZERO, &mixture);
+            film.mix(UVec2::ONE, &mixture);
+            let notes = film.notes();
+            let frame = film.into_frame();
+            assert_eq!(frame.mixed.pixels(), kept);
+            assert_eq!(notes.is_empty(), kept == 2);
+            if let [note] = &notes[..] {
+                assert!(note.starts_with(&format!("{} pixels", 2 - kept)), "{note}");
+            }
+        }
     }
 
     #[test]

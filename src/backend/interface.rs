@@ -82,7 +82,7 @@ impl Backend {
                 let mut rendered = Reference::keeping(plan, kept, limits.task(progress))?
                     .render(limits, progress)?;
                 rendered.made.products = kept.take_made();
-                rendered.notes = kept.take_notes();
+                rendered.notes.extend(kept.take_notes());
                 Ok(rendered)
             }
         }

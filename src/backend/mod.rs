@@ -14,10 +14,12 @@
 //! | [`gpu`] | the effects' passes on a device |
 //! | `interface`, `rendering`, `film` | both as one; what a rendering may take and what it gives; the picture as it grows |
 //! | [`check`] | how far a picture is from the reference |
+//! | [`convergence`] | how far the points that stand for the sun's disc are from the disc |
 //! | [`choose`] | the quality and the method that an error or a time asks for, measured |
 
 pub mod check;
 pub mod choose;
+pub mod convergence;
 mod film;
 pub mod gpu;
 mod interface;
@@ -26,4 +28,4 @@ mod rendering;
 
 pub use crate::task::{Progress, Step};
 pub use interface::{Backend, Wanted};
-pub use rendering::{Limits, Made, PICTURE, Rendered, StepTime, Traffic};
+pub use rendering::{Limits, Made, PICTURE, Rendered, StartUp, StepTime, Traffic};

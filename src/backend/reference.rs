@@ -6,13 +6,13 @@
 //! the air's where only surfaces or background do. So are all that show surfaces which let light through.
 
 use super::film::Film;
-use super::rendering::{Limits, PICTURE, Rendered, StepTime};
+use super::rendering::{Limits, PICTURE, Rendered, StartUp, StepTime};
 use crate::colour::luminance;
-use crate::conditions::{Conditions, spread};
+use crate::conditions::{Conditions, sample_positions, spread};
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
 use crate::error::Result;
-use crate::frame::{Frame, Layer, NO_HIT, Part};
-use crate::plan::{Plan, sample_positions};
+use crate::frame::{Frame, Layer, Mixture, NO_HIT, Part};
+use crate::plan::Plan;
 use crate::task::{Progress, Task};
 use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
@@ -86,6 +86,7 @@ pub struct Reference<'a> {
     plan: &'a Plan<'a>,
     steps: Vec<Prepared<'a>>,
     written: Vec<Field>,
+    start_up: StartUp,
 }
 
 impl<'a> Reference<'a> {
@@ -103,6 +104,7 @@ impl<'a> Reference<'a> {
     /// Those of the effects; [`crate::Error::Stopped`] when the work was stopped.
     pub fn keeping(plan: &'a Plan<'a>, kept: &Kept, task: Task<'_>) -> Result<Self> {
         let kept = kept.keeper(task);
+        let mut start_up = StartUp::default();
         let steps: Result<Vec<_>> = plan
             .running()
             .map(|step| {
@@ -111,9 +113,12 @@ impl<'a> Reference<'a> {
                     effect: step.effect.name,
                     values: &step.settings,
                 };
+                // It knows none of the methods by which a GPU integrates sunlight in the air.
+                let name = step.effect.method.map_or(step.effect.name, |_| "shafts");
+                let prepare = || (step.effect.reference)(plan.conditions, &settings, &kept);
                 Ok(Prepared {
                     effect: step.effect,
-                    run: (step.effect.reference)(plan.conditions, &settings, &kept)?,
+                    run: start_up.timed(&format!("{name}.prepare"), prepare)?,
                     nanoseconds: AtomicU64::new(0),
                     runs: AtomicU32::new(0),
                 })
@@ -123,6 +128,7 @@ impl<'a> Reference<'a> {
             plan,
             steps: steps?,
             written: plan.written(),
+            start_up,
         })
     }
 
@@ -185,8 +191,9 @@ impl<'a> Reference<'a> {
             .par_chunks(batch(pixels.len(), 16))
             .flat_map_iter(|chunk| {
                 let whole: Vec<_> = chunk.iter().map(|p| (*p, Rerun::All)).collect();
-                self.means(&whole, &offsets)
+                self.means(&whole, &offsets, |_| DVec3::ZERO)
             })
+            .map(|(mean, _)| mean)
             .collect()
     }
 
@@ -249,18 +256,23 @@ impl<'a> Reference<'a> {
             for (part, edges) in (0..).zip(edges.chunks(MANY)) {
                 let [from, to] =
                     [part, part + 1].map(|part| ((MANY * part) as f64 / refined as f64).min(1.0));
+                let frame = film.frame();
                 let means = in_pieces(edges, 16, task.part(from, to), |edges| {
-                    self.means(edges, &offsets)
+                    let air = |pixel: UVec2| air(frame, (pixel.y * width + pixel.x) as usize);
+                    self.means(edges, &offsets, air)
                 })?;
-                for ((pixel, rerun), mean) in edges.iter().zip(&means) {
+                for ((pixel, rerun), (mean, mixture)) in edges.iter().zip(&means) {
                     put(&mut film, *pixel, mean, *rerun);
+                    film.mix(*pixel, mixture);
                 }
             }
         }
         task.tell(1.0);
         Ok(Rendered {
+            notes: film.notes(),
             frame: film.into_frame(),
             steps: self.times(),
+            start_up: self.start_up.clone(),
             refined,
             elapsed: start.elapsed(),
             ..Rendered::default()
@@ -285,11 +297,21 @@ impl<'a> Reference<'a> {
         edges
     }
 
-    /// The means over `offsets` of the fields of each pixel.
-    fn means(&self, edges: &[(UVec2, Rerun)], offsets: &[DVec2]) -> Vec<Values> {
+    /// The means over `offsets` of the fields of each pixel, and what of them a display has to show; `air` is the air's own light in a
+    /// pixel where it is not made again.
+    fn means(
+        &self,
+        edges: &[(UVec2, Rerun)],
+        offsets: &[DVec2],
+        air: impl Fn(UVec2) -> DVec3,
+    ) -> Vec<(Values, Mixture)> {
         edges
             .iter()
             .map(|(pixel, rerun)| {
+                let air = match rerun {
+                    Rerun::All => DVec3::ZERO,
+                    Rerun::WithoutAir => air(*pixel),
+                };
                 let aim = |(sample, offset): (u32, &DVec2)| Aim {
                     pixel: *pixel,
                     sample,
@@ -297,12 +319,14 @@ impl<'a> Reference<'a> {
                 };
                 let aims: Vec<Aim> = (0..).zip(offsets).map(aim).collect();
                 let mut mean = [DVec3::ZERO; Field::COUNT];
+                let mut mixture = Mixture::default();
                 for sample in self.trace_with(&aims, *rerun) {
+                    mixture.add((sample.picture() + air).as_vec3());
                     for (m, v) in mean.iter_mut().zip(&sample.values) {
                         *m += v / offsets.len() as f64;
                     }
                 }
-                mean
+                (mean, mixture)
             })
             .collect()
     }
@@ -409,18 +433,20 @@ fn only_air(effect: &Effect) -> bool {
     made.peek().is_some() && made.all(|field| field.part() == Part::Air)
 }
 
+/// The light of a pixel that the air itself sends [cd/m2].
+fn air(frame: &Frame, pixel: usize) -> DVec3 {
+    let is_air =
+        |layer: &&Layer| Field::named(layer.name).is_some_and(|field| field.part() == Part::Air);
+    let layers = frame.layers.iter().filter(is_air);
+    layers.map(|layer| layer.rgb[pixel].as_dvec3()).sum()
+}
+
 /// The pixels whose colour differs from one of their eight neighbours', and what must be resampled there.
 fn edges(frame: &Frame) -> Vec<(UVec2, Rerun)> {
     let (width, height) = (frame.width as usize, frame.height as usize);
-    let is_air =
-        |layer: &&Layer| Field::named(layer.name).is_some_and(|field| field.part() == Part::Air);
     let (picture, air): (Vec<DVec3>, Vec<DVec3>) = (0..frame.pixels())
         .into_par_iter()
-        .map(|i| {
-            let air = frame.layers.iter().filter(is_air);
-            let air: DVec3 = air.map(|layer| layer.rgb[i].as_dvec3()).sum();
-            (frame.picture(i), air)
-        })
+        .map(|i| (frame.picture(i), air(frame, i)))
         .unzip();
     let differs = |values: &[DVec3], contrast: f64, a: usize, b: usize| {
         let brighter = luminance(picture[a]).max(luminance(picture[b]));

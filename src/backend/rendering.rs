@@ -4,7 +4,7 @@ use crate::effect::Effect;
 use crate::frame::Frame;
 use crate::task::{Progress, Task};
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The stage in which the picture itself is made, when what it needs is there.
 pub const PICTURE: &str = "the picture";
@@ -54,7 +54,9 @@ pub struct Rendered {
     pub refined: usize,
     /// What had to be made for this picture and is kept.
     pub made: Made,
-    /// From the first ray to the last.
+    /// What was done before the first ray.
+    pub start_up: StartUp,
+    /// From the first ray to the last, without what compiling took between them.
     pub elapsed: Duration,
     /// What effects say about what they made or used.
     pub notes: Vec<String>,
@@ -83,6 +85,41 @@ impl std::fmt::Debug for StepTime {
         let name = format!("{}.{}", self.effect.name, self.pass);
         let told = (self.on_cpu, self.runs, self.counted, self.time);
         f.debug_tuple(&name).field(&told).finish()
+    }
+}
+
+/// Wall time of what is done before the first ray: the scene comes onto a device, pipelines are compiled, effects prepare what they
+/// keep. Nothing of it is there again for a picture that finds all of it made.
+#[derive(Debug, Clone, Default)]
+pub struct StartUp {
+    stages: Vec<(String, Duration)>,
+}
+
+impl StartUp {
+    /// Does something and adds the time that it takes to a stage.
+    pub(super) fn timed<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let made = work();
+        self.add(stage, start.elapsed());
+        made
+    }
+
+    /// Adds time to a stage.
+    pub(super) fn add(&mut self, stage: &str, time: Duration) {
+        match self.stages.iter_mut().find(|(known, _)| known == stage) {
+            Some((_, sum)) => *sum += time,
+            None => self.stages.push((stage.to_owned(), time)),
+        }
+    }
+
+    /// The stages and their wall time, in the order in which they began.
+    pub fn stages(&self) -> impl Iterator<Item = (&str, Duration)> {
+        self.stages.iter().map(|(stage, time)| (&**stage, *time))
+    }
+
+    /// The time of all of them.
+    pub fn time(&self) -> Duration {
+        self.stages.iter().map(|(_, time)| *time).sum()
     }
 }
 

@@ -7,7 +7,8 @@
 //!    colour goes in a straight line toward the neutral of T(n), so that its hue angle stays:
 //!    share of colour kept = (1 + n / 8)^(-1/2).
 //! 3. Gamut: what lies outside Rec. 709 goes toward the neutral of its own Oklab lightness, to the gamut's face.
-//! 4. The sRGB transfer function, triangular dither of at most 3/4 of a code, rounding.
+//! 4. The mean over the colours that a pixel holds, of the light that a display shows of each ([`crate::frame::Frame::shares`]).
+//! 5. The sRGB transfer function, triangular dither of at most 3/4 of a code, rounding.
 //!
 //! c = 1.2 gives a photographic contrast, and k puts the meter's grey (0.104 of white, [`super::exposure`]) at 0.18.
 
@@ -133,7 +134,8 @@ pub fn encode_plain(rgb_working: DVec3, ev100: f64, pixel: [u32; 2], dither: boo
     codes(rgb.clamp(DVec3::ZERO, DVec3::ONE), pixel, dither)
 }
 
-fn codes(rgb: DVec3, pixel: [u32; 2], dither: bool) -> [u8; 3] {
+/// 8-bit sRGB codes of light of a display, linear Rec. 709 in 0 to 1 ([`display`]): step 5.
+pub fn codes(rgb: DVec3, pixel: [u32; 2], dither: bool) -> [u8; 3] {
     // The same noise for the three channels: grey grain is seen less than coloured (mean Delta E 2000 0.26 against 0.39).
     let noise = NOISE * triangular(pixel);
     rgb.to_array().map(|linear| {

@@ -21,7 +21,7 @@ pub use inputs::{Input, Snapshot};
 pub use lamps::Lamp;
 pub use request::{CameraChoice, Request};
 pub use sun::Sun;
-pub use view::{Receiver, Receivers, View, spread};
+pub use view::{Receiver, Receivers, View, sample_positions, spread};
 
 use crate::colour::luminance;
 use crate::medium::{Air, Shape};

@@ -60,6 +60,18 @@ impl Receiver {
     }
 }
 
+/// Where rays go through a pixel of side 1: its centre for one, else a rank-1 lattice by the golden ratio, the same in every
+/// pixel and every picture.
+pub fn sample_positions(samples: u32) -> Vec<DVec2> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    (0..samples)
+        .map(|i| {
+            let x = (f64::from(i) + 0.5) / f64::from(samples);
+            DVec2::new(x, (f64::from(i) * GOLDEN + 0.5).fract())
+        })
+        .collect()
+}
+
 impl View {
     /// The most points in a row of the picture that they fill.
     const ROW: u32 = 512;

@@ -4,10 +4,12 @@
 //! of L(rho) dw. So the pixels' sum is the sun's illuminance however small the disc is against a pixel. Directions are mapped
 //! around the sun's centre by Lambert's azimuthal equal-area projection, in which solid angles are areas and circles stay
 //! circles; the pixel's outline becomes a polygon, whose overlap with the rings of the limb-darkened disc has a closed form.
-//! The part below the horizon is cut off. In an orthographic view every pixel looks in one direction and shows its luminance.
+//! The part below the horizon is cut off. With several samples a pixel, those nearest the sun's centre take that light, as many as
+//! the disc covers: their mean is the same, and a display can show the disc's rim by what each of them sees.
+//! In an orthographic view every pixel looks in one direction and shows its luminance.
 
 use super::{Contribution, Decision, Effect, Field};
-use crate::conditions::{Conditions, Sun};
+use crate::conditions::{Conditions, Sun, View, sample_positions};
 use crate::scene::Projection;
 use glam::{DVec2, DVec3, UVec2};
 
@@ -42,7 +44,10 @@ pub const SUN_DISC: Effect = Effect {
                 let seen = match conditions.view.camera.projection {
                     Projection::Orthographic { .. } => disc.luminance_at(ray.direction),
                     _ if disc.is_far_from(ray.direction, conditions) => DVec3::ZERO,
-                    _ => disc.mean_luminance(&outline(conditions, pixel)),
+                    _ => {
+                        let (mean, covered) = disc.mean_luminance(&outline(conditions, pixel));
+                        disc.share(ray.direction, pixel, covered, &conditions.view) * mean
+                    }
                 };
                 present + seen
             });
@@ -185,11 +190,30 @@ impl Disc {
             .map_or(DVec3::ZERO, |(_, luminance)| *luminance)
     }
 
-    /// Mean luminance of the disc over a pixel's solid angle.
-    fn mean_luminance(&self, outline: &[DVec3]) -> DVec3 {
+    /// What a sample of a pixel takes of the pixel's mean, of which the disc covers a share. The samples nearest the sun's centre
+    /// see it, one of them in part, so that the mean of all is 1; a ray that is none of the view's samples stands for all of them.
+    fn share(&self, direction: DVec3, pixel: UVec2, covered: f64, view: &View) -> f64 {
+        let ray = |offset: &DVec2| view.ray(pixel.as_dvec2() + *offset).direction;
+        let samples: Vec<DVec3> = sample_positions(view.samples).iter().map(ray).collect();
+        let own = samples.iter().position(|sample| *sample == direction);
+        let Some(own) = own.filter(|_| covered > 0.0) else {
+            return 1.0;
+        };
+        let distance = |sample: usize| match samples[sample] {
+            below if below.y < 0.0 => f64::INFINITY,
+            above => above.distance_squared(self.toward),
+        };
+        let is_nearer = |other: &usize| (distance(*other), *other) < (distance(own), own);
+        let nearer = (0..samples.len()).filter(is_nearer).count();
+        let seen = covered * samples.len() as f64 - nearer as f64;
+        seen.clamp(0.0, 1.0) / covered
+    }
+
+    /// Mean luminance of the disc over a pixel's solid angle, and the share of that which it covers.
+    fn mean_luminance(&self, outline: &[DVec3]) -> (DVec3, f64) {
         let whole = area(&self.projected(outline));
         if whole == 0.0 {
-            return DVec3::ZERO;
+            return (DVec3::ZERO, 0.0);
         }
         let polygon = self.projected(&above_horizon(outline));
         let mut inner = 0.0;
@@ -199,7 +223,7 @@ impl Disc {
             sum += *luminance * (covered - inner).max(0.0);
             inner = covered;
         }
-        sum / whole.abs()
+        (sum / whole.abs(), inner / whole.abs())
     }
 
     fn projected(&self, outline: &[DVec3]) -> Vec<DVec2> {

@@ -5,6 +5,7 @@
 //! over a block without a branch or a call, which compilers turn into vector instructions.
 
 use super::almanac::Almanac;
+use super::day::{Sun, Year};
 use super::julian::Julian;
 use super::position::{EARTH_RADIUS_AU, aberration, mean_sidereal, topocentric};
 use super::position::{SunPosition, sun_position};
@@ -50,8 +51,8 @@ impl Directions {
             elevation_apparent: Vec::with_capacity(count),
         };
         let times = Times::new(first, last, count);
-        // `day` counts civil days, which is no loop without branches; an almanac is cheaper from four instants in two days on.
-        let tabulated = tier != Tier::Day && times.step_tt.abs() <= 0.5 && count > 24;
+        // An almanac, which `day` needs not, is cheaper from four instants in two days on.
+        let tabulated = tier == Tier::Day || times.step_tt.abs() <= 0.5 && count > 24;
         if !tabulated {
             for i in 0..count {
                 let sun = sun_position(tier, &times.instant(first, i), site, weather);
@@ -62,8 +63,8 @@ impl Directions {
         let almanac = Almanac::new(tier, first, last);
         let mut block = Block::default();
         for start in (0..count).step_by(LANES) {
-            block.compute(tier, &almanac, &times, start, site, weather);
             let used = LANES.min(count - start);
+            block.compute(tier, &almanac, &times, (start, used), site, weather);
             directions.azimuth.extend_from_slice(&block.azimuth[..used]);
             directions
                 .elevation_true
@@ -112,7 +113,14 @@ struct Block {
     /// Right ascension from the mean longitude [rad], declination [rad], distance [au], equation of the equinoxes [rad].
     place: [[f64; LANES]; 4],
     tt_days: [f64; LANES],
+    /// The part of the year gone, of tier `day` [rad of a turn].
+    year: [f64; LANES],
+    /// The part of the day gone.
+    day: [f64; LANES],
     hour_angle: [f64; LANES],
+    declination: [f64; LANES],
+    /// The earth's radius in distances of the sun.
+    radii: [f64; LANES],
     azimuth: [f64; LANES],
     elevation_true: [f64; LANES],
     elevation_apparent: [f64; LANES],
@@ -123,7 +131,11 @@ impl Default for Block {
         Self {
             place: [[0.0; LANES]; 4],
             tt_days: [0.0; LANES],
+            year: [0.0; LANES],
+            day: [0.0; LANES],
             hour_angle: [0.0; LANES],
+            declination: [0.0; LANES],
+            radii: [0.0; LANES],
             azimuth: [0.0; LANES],
             elevation_true: [0.0; LANES],
             elevation_apparent: [0.0; LANES],
@@ -132,15 +144,66 @@ impl Default for Block {
 }
 
 impl Block {
-    /// The directions from the instant numbered `start` on; of a last block also some beyond the span, not to be used.
+    /// The directions at `used` instants from the one numbered `start` on; behind them is nothing to be used.
     fn compute(
+        &mut self,
+        tier: Tier,
+        almanac: &Almanac,
+        times: &Times,
+        (start, used): (usize, usize),
+        site: &Site,
+        weather: &Weather,
+    ) {
+        match tier {
+            Tier::Day => self.by_day(times, (start, used), site),
+            _ => self.by_almanac(tier, almanac, times, start, site),
+        }
+        let aberration = aberration(tier, site);
+        for lane in 0..LANES {
+            let [hour_angle, declination] =
+                sin_cos([self.hour_angle[lane], self.declination[lane]]);
+            let radii = self.radii[lane];
+            (self.azimuth[lane], self.elevation_true[lane]) =
+                topocentric(hour_angle, declination, radii, aberration, site);
+        }
+        for lane in 0..LANES {
+            let elevation = self.elevation_true[lane];
+            self.elevation_apparent[lane] = elevation + lift(elevation, weather);
+        }
+    }
+
+    /// Hour angle and declination by the civil day.
+    fn by_day(&mut self, times: &Times, (start, used): (usize, usize), site: &Site) {
+        let mut year = Year::of(times.ut.day);
+        // Beyond the span there may be no civil year.
+        for lane in 0..used {
+            let passed = times.ut.fraction + (start as f64 + lane as f64) * times.step_ut;
+            let days = passed.floor();
+            let day = times.ut.day + days;
+            if !year.holds(day) {
+                year = Year::of(day);
+            }
+            self.day[lane] = passed - days;
+            self.year[lane] = year.angle(day, self.day[lane]);
+        }
+        let longitude = site.longitude_deg() * DEG;
+        for lane in 0..LANES {
+            let sun = Sun::at(self.year[lane]);
+            self.hour_angle[lane] = sun.hour_angle(self.day[lane]) + longitude;
+            self.declination[lane] = sun.declination;
+            // It is seen from the earth's centre.
+            self.radii[lane] = 0.0;
+        }
+    }
+
+    /// Hour angle, declination and distance by the tabulated places.
+    fn by_almanac(
         &mut self,
         tier: Tier,
         almanac: &Almanac,
         times: &Times,
         start: usize,
         site: &Site,
-        weather: &Weather,
     ) {
         let number = |lane: usize| start as f64 + lane as f64;
         for (lane, tt_days) in self.tt_days.iter_mut().enumerate() {
@@ -163,16 +226,9 @@ impl Block {
                 - mean_longitude
                 - from_mean[lane];
         }
-        let aberration = aberration(tier, site);
         for lane in 0..LANES {
-            let [hour_angle, declination] = sin_cos([self.hour_angle[lane], declination[lane]]);
-            let radii = EARTH_RADIUS_AU / distance_au[lane];
-            (self.azimuth[lane], self.elevation_true[lane]) =
-                topocentric(hour_angle, declination, radii, aberration, site);
-        }
-        for lane in 0..LANES {
-            let elevation = self.elevation_true[lane];
-            self.elevation_apparent[lane] = elevation + lift(elevation, weather);
+            self.declination[lane] = declination[lane];
+            self.radii[lane] = EARTH_RADIUS_AU / distance_au[lane];
         }
     }
 }

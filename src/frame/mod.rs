@@ -5,8 +5,10 @@
 //! the left; pixel (x, y) stands at `y * width + x` of every list.
 
 mod field;
+mod mixed;
 
 pub use field::{Field, Part};
+pub use mixed::{Mixed, Mixture};
 
 use crate::error::{Error, Result};
 use crate::memory;
@@ -37,6 +39,8 @@ pub struct Frame {
     pub normal: Vec<Vec3>,
     /// Share of light that the air lets through from the surface, or from where the ray leaves all media, to the eye; 0 to 1.
     pub transmittance: Vec<Vec3>,
+    /// The pixels whose samples differ much in brightness, for a display ([`Frame::shares`]); none with one sample a pixel.
+    pub mixed: Mixed,
     /// How the picture came about.
     pub record: Record,
 }
@@ -65,6 +69,7 @@ impl Frame {
             depth: memory::filled(what, pixels, NO_HIT)?,
             normal: memory::filled(what, pixels, Vec3::ZERO)?,
             transmittance: memory::filled(what, pixels, Vec3::ONE)?,
+            mixed: Mixed::default(),
             record: Record::default(),
         })
     }
@@ -81,6 +86,7 @@ impl Frame {
             depth: Vec::new(),
             normal: Vec::new(),
             transmittance: Vec::new(),
+            mixed: Mixed::default(),
             record: Record::default(),
         }
     }
@@ -111,6 +117,12 @@ impl Frame {
     pub fn picture(&self, pixel: usize) -> DVec3 {
         let colour = |layer: &Layer| layer.rgb[pixel].as_dvec3();
         self.layers.iter().map(colour).sum()
+    }
+
+    /// The colours that a pixel holds [cd/m2], and the share of its area that each takes: several where its samples differ much in
+    /// brightness. Their mean is [`Frame::picture`].
+    pub fn shares(&self, pixel: usize) -> impl Iterator<Item = (f64, DVec3)> {
+        self.mixed.shares(pixel, self.picture(pixel))
     }
 
     /// Whether this can be written: lists as long as the picture, known layers, every value finite, radiance,
@@ -163,6 +175,9 @@ impl Frame {
         })?;
         self.check_all("normal", &self.normal, |v| v.is_finite())?;
         self.check_all("depth", &self.depth, |z| z.is_finite() && *z >= 0.0)?;
+        if let Some(pixel) = self.mixed.spoilt(pixels) {
+            return Err(defect(format!("what pixel number {pixel} holds is spoilt")));
+        }
         match self
             .record
             .iter()

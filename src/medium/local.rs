@@ -224,6 +224,7 @@ impl<'a> LocalScattering<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::beam::Beam;
     use crate::medium::{Phase, Scattering};
 
     fn cube(scattering: f64, absorption: f64) -> Air {

@@ -1,6 +1,7 @@
 //! The picture as a screen shows it: 8 bits, tagged as sRGB.
 
 use super::atomic;
+use crate::colour::display;
 use crate::error::Result;
 use crate::frame::Frame;
 use glam::DVec3;
@@ -27,17 +28,21 @@ pub fn write(path: &Path, width: u32, height: u32, rgb: &[u8]) -> Result<()> {
     })
 }
 
-/// The bytes of a picture: `encode` makes three of them from a pixel's x, y and its colour in the working space
-/// [cd/m2]; exposure, display transform and dither are in there.
-pub fn encode(frame: &Frame, encode: impl Fn(u32, u32, DVec3) -> [u8; 3] + Sync) -> Vec<u8> {
+/// The bytes of a picture: each pixel through exposure, display transform and dither ([`display`]).
+///
+/// Where a pixel holds colours of very different brightness ([`Frame::shares`]) the mean is taken of what is shown of each, as light
+/// of the display: an edge is in proportion to what it covers, however bright one of its sides is.
+pub fn encode(frame: &Frame, ev100: f64) -> Vec<u8> {
     let width = frame.width as usize;
     let mut bytes = vec![0; 3 * frame.pixels()];
     bytes
         .par_chunks_exact_mut(3)
         .enumerate()
         .for_each(|(pixel, out)| {
-            let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
-            out.copy_from_slice(&encode(x, y, frame.picture(pixel)));
+            let at = [pixel % width, pixel / width].map(|n| n as u32);
+            let shown = |(share, colour)| share * display::display(colour, ev100);
+            let light: DVec3 = frame.shares(pixel).map(shown).sum();
+            out.copy_from_slice(&display::codes(light, at, true));
         });
     bytes
 }

@@ -9,7 +9,6 @@ use crate::conditions::Conditions;
 use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Pass, Settings, When};
 use crate::error::{Error, Result, nearest};
 use crate::frame::Part;
-use glam::DVec2;
 
 /// How much accuracy is paid for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -360,16 +359,4 @@ fn unserved(effect: &Effect, before: &[Step]) -> Option<String> {
         !running.any(|step| step.effect.writes.contains(field))
     })?;
     Some(format!("nothing makes `{}`", missing.name()))
-}
-
-/// Where rays go through a pixel of side 1: its centre for one, else a rank-1 lattice by the golden ratio, the same in every
-/// pixel and every picture.
-pub fn sample_positions(samples: u32) -> Vec<DVec2> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    (0..samples)
-        .map(|i| {
-            let x = (f64::from(i) + 0.5) / f64::from(samples);
-            DVec2::new(x, (f64::from(i) * GOLDEN + 0.5).fract())
-        })
-        .collect()
 }

@@ -33,6 +33,17 @@ pub(crate) fn in_turn(corners: &[DVec3]) -> Vec<u32> {
     edges.par_sort_unstable();
     let mut next: Vec<u32> = (0..corners.len() as u32).collect();
     for alike in edges.chunk_by(|a, b| a.0 == b.0) {
+        // Nearly all are alone or two.
+        if let [(_, edge), others @ ..] = alike
+            && let Some(other) = match others {
+                [] => Some(edge),
+                [(_, other)] if ends(*edge) == ends(*other) => Some(other),
+                _ => None,
+            }
+        {
+            (next[*edge as usize], next[*other as usize]) = (*other, *edge);
+            continue;
+        }
         // Two pairs of places may have one number.
         let mut rest: Vec<u32> = alike.iter().map(|(_, edge)| *edge).collect();
         while let [first, ..] = rest[..] {

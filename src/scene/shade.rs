@@ -94,7 +94,10 @@ impl Shade {
 /// Adds a run to sorted, separate ones, joined with those that it touches (within `together`).
 pub(super) fn insert(runs: &mut Vec<Run>, run: Run, together: f64) {
     let first = runs.partition_point(|r| r[1] + together < run[0]);
-    let after = first + runs[first..].partition_point(|r| r[0] <= run[1] + together);
+    // Few, and each of them but one ends here: counting them is quicker than searching.
+    let joined = runs[first..].iter();
+    let joined = joined.take_while(|r| r[0] <= run[1] + together);
+    let after = first + joined.count();
     if first == after {
         runs.insert(first, run);
         return;

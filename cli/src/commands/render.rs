@@ -15,7 +15,8 @@ use tyndall::Result;
 use tyndall::backend::Rendered;
 use tyndall::backend::check::{Check, Yardstick};
 use tyndall::backend::choose::choose;
-use tyndall::colour::{Space, display, exposure, luminance};
+use tyndall::backend::convergence::Convergence;
+use tyndall::colour::{Space, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
@@ -82,9 +83,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // What is wrong with the flags is said before anything is measured.
     Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    let mut backend = machine::open(args.backend.wanted())?;
     let limits = args.memory.limits();
     let mut overrules = args.plan.overrules();
+    let mut stages = vec![("prepare".to_owned(), start.elapsed().as_secs_f64())];
+    let opening = Instant::now();
+    let mut backend = machine::open(args.backend.wanted())?;
+    stages.push(("device".to_owned(), opening.elapsed().as_secs_f64()));
+    let planning = Instant::now();
     if let Some(goal) = args.plan.goal() {
         let chosen = choose(&mut backend, &conditions, &overrules, goal, &limits)?;
         tell::chosen(&chosen.why);
@@ -92,12 +97,15 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     let plan = Plan::new(&conditions, &overrules)?;
     tell::plan(&plan, &backend.describe());
-    let prepared = start.elapsed();
+    stages.push(("plan".to_owned(), planning.elapsed().as_secs_f64()));
 
     let bar = tell::bar();
     let mut rendered = backend.render(&plan, &limits, &|step| tell::step(&bar, step))?;
     bar.finish_and_clear();
 
+    let converging = Instant::now();
+    let convergence = Convergence::of(&plan, pixels_to_converge(&rendered.frame))?;
+    let converging = converging.elapsed();
     let writing = Instant::now();
     let ev100 = ev100(args, &conditions, &rendered.frame);
     let record = &mut rendered.frame.record;
@@ -109,21 +117,31 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             Format::Exr => output::exr::write(path, &rendered.frame, &space, &layers)?,
             Format::Hdr => output::hdr::write(path, &rendered.frame, &space)?,
             Format::Png => {
-                let bytes = output::png::encode(&rendered.frame, |x, y, rgb| {
-                    display::encode(rgb, ev100, [x, y], true)
-                });
+                let bytes = output::png::encode(&rendered.frame, ev100);
                 output::png::write(path, rendered.frame.width, rendered.frame.height, &bytes)?;
             }
         }
     }
-    let mut stages = vec![("prepare".to_owned(), prepared.as_secs_f64())];
     stages.extend(work::stages(&backend, &rendered));
+    if convergence.is_some() {
+        stages.push(("convergence".to_owned(), converging.as_secs_f64()));
+    }
     stages.push(("write".to_owned(), writing.elapsed().as_secs_f64()));
     tell::rendered(&rendered, ev100, &stages);
+    if let Some(convergence) = &convergence {
+        tell::convergence(convergence);
+    }
     tell::files(&files);
     let check = check(args, &conditions, &rendered.frame)?;
     let work = work::details(&backend, &rendered);
-    let report = report(&plan, &rendered, work, &stages, &files, check.as_ref());
+    let report = report(
+        &plan,
+        &rendered,
+        work,
+        &stages,
+        &files,
+        (check.as_ref(), convergence.as_ref()),
+    );
     if let Some(path) = &args.report {
         output::report::write(path, &report)?;
     }
@@ -142,6 +160,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// On how many pixels it is measured how far points of the sun's disc are from converged: few against the picture's own.
+fn pixels_to_converge(frame: &Frame) -> usize {
+    (frame.pixels() / 32).clamp(64, 1024)
 }
 
 /// The measured error, if it was asked for. It is compared with the reference at its finest, with the same effects.
@@ -174,7 +197,7 @@ fn report(
     work: serde_json::Value,
     stages: &[(String, f64)],
     files: &[PathBuf],
-    check: Option<&Check>,
+    (check, convergence): (Option<&Check>, Option<&Convergence>),
 ) -> serde_json::Value {
     json!({
         "schema": 1,
@@ -188,6 +211,7 @@ fn report(
         "render_seconds": rendered.elapsed.as_secs_f64(),
         "work": work,
         "check": check,
+        "convergence": convergence,
         "files": files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
     })
 }

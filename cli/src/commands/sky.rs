@@ -16,7 +16,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::backend::Backend;
-use tyndall::colour::{self, Space, display, exposure, luminance, xyz_from_working};
+use tyndall::colour::{self, Space, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
 use tyndall::output::{self, Format};
@@ -172,9 +172,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
             Format::Hdr => output::hdr::write(path, &frame, &space)?,
             Format::Png => {
                 let ev100 = ev100();
-                let bytes = output::png::encode(&frame, |x, y, rgb| {
-                    display::encode(rgb, ev100, [x, y], true)
-                });
+                let bytes = output::png::encode(&frame, ev100);
                 output::png::write(path, frame.width, frame.height, &bytes)?;
             }
         }

@@ -40,6 +40,16 @@ pub fn stages_json(stages: &[(String, f64)]) -> Value {
 
 /// The stages of the work and their wall time [s].
 pub fn stages(backend: &Backend, rendered: &Rendered) -> Vec<(String, f64)> {
+    let start_up = rendered.start_up.stages();
+    let mut stages: Vec<(String, f64)> = start_up
+        .map(|(name, time)| (name.to_owned(), time.as_secs_f64()))
+        .collect();
+    stages.extend(rays(backend, rendered));
+    stages
+}
+
+/// The stages between the first ray and the last.
+fn rays(backend: &Backend, rendered: &Rendered) -> Vec<(String, f64)> {
     let wall = rendered.elapsed.as_secs_f64();
     let seconds = |step: &StepTime| step.time.as_ref().map(Duration::as_secs_f64);
     if let Backend::Reference(_) = backend {

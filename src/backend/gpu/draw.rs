@@ -5,6 +5,7 @@ use super::pipeline::Raster;
 use super::timer::Timer;
 use crate::error::Result;
 use glam::UVec2;
+use std::time::{Duration, Instant};
 use wgpu::*;
 
 pub(super) fn texture(
@@ -61,6 +62,28 @@ pub(super) fn dispatch(
     device.queue.submit([encoder.finish()]);
     timer.submitted(device)?;
     device.check()
+}
+
+/// Lets the driver compile what it leaves to the first dispatch, by one of no workgroups, and waits for it.
+pub(super) fn warm(
+    device: &Device,
+    pipeline: &ComputePipeline,
+    groups: &[&BindGroup],
+) -> Result<Duration> {
+    device.wait()?;
+    let start = Instant::now();
+    let mut encoder = device.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        for (group, i) in groups.iter().zip(0..) {
+            pass.set_bind_group(i, *group, &[]);
+        }
+        pass.dispatch_workgroups(0, 0, 0);
+    }
+    device.queue.submit([encoder.finish()]);
+    device.wait()?;
+    Ok(start.elapsed())
 }
 
 /// All triangles, drawn once.

@@ -2,10 +2,10 @@
 
 use super::beams::{BeamMaps, Drawing, Slots};
 use super::device::Device;
-use super::draw::{Draw, dispatch, tile_groups};
+use super::draw::{Draw, dispatch, tile_groups, warm};
 use super::on_device::Growing;
 use super::pipeline::Pipelines;
-use super::prepare::{Compute, Filling, Maker, Stage, Work};
+use super::prepare::{self, Compute, Filling, Maker, Stage, Work};
 use super::scene::{Plane, SceneOnDevice, Triangles};
 use super::schedule::{Action, Schedule};
 use super::shared;
@@ -14,11 +14,12 @@ use super::tile::{Target, TileBuffers};
 use super::timer::Timer;
 use super::window;
 use crate::backend::film::{self, Film};
-use crate::backend::rendering::{Made, PICTURE, Rendered, StepTime, Traffic};
+use crate::backend::rendering::{Made, PICTURE, Rendered, StartUp, StepTime, Traffic};
+use crate::conditions::sample_positions;
 use crate::effect::{Field, Fields, Kept, Life, Resource, Settings};
 use crate::error::Result;
-use crate::frame::NO_HIT;
-use crate::plan::{Plan, sample_positions};
+use crate::frame::{Mixture, NO_HIT};
+use crate::plan::Plan;
 use crate::scene::{Projection, Ray};
 use crate::task::Task;
 use glam::{DVec2, UVec2, Vec3};
@@ -74,6 +75,9 @@ pub struct Job<'j> {
     /// What the CPU knows of the tile's rays, once it was asked.
     pub on_cpu: Option<Vec<Fields>>,
     pub made: Made,
+    start_up: StartUp,
+    /// Compiling that drivers leave to the first run.
+    late: Duration,
     /// Before anything was prepared.
     before: Traffic,
     pub task: Task<'j>,
@@ -92,11 +96,14 @@ impl<'j> Job<'j> {
             counting,
         } = lent;
         task.check()?;
+        let begin = Instant::now();
+        let mut start_up = StartUp::default();
         let before = device.traffic();
         let compiled = pipelines.compiled;
         store.begin();
-        let corners = scene
-            .buffer(device, plan.conditions, &Resource::Corners)?
+        let make = || scene.buffer(device, plan.conditions, &Resource::Corners);
+        let corners = start_up
+            .timed(prepare::SCENE, make)?
             .expect("corners are a buffer of the scene");
         let TileBuffers {
             tile,
@@ -124,9 +131,11 @@ impl<'j> Job<'j> {
             schedule: Schedule::default(),
             fillings: Vec::new(),
             maps: None,
+            start_up,
         };
         maker.all()?;
         let Maker {
+            mut start_up,
             stages,
             schedule,
             fillings,
@@ -145,7 +154,10 @@ impl<'j> Job<'j> {
         let anchor = scene.anchor;
         let deepest = window::deepest(plan.conditions, &scene.casters);
         let (triangles, planes, slots) = scene.parts(traced);
+        let rest = begin.elapsed().saturating_sub(start_up.time());
+        start_up.add("buffers", rest);
         Ok(Job {
+            start_up,
             plan,
             device,
             pipelines,
@@ -174,6 +186,7 @@ impl<'j> Job<'j> {
             sample: 0,
             on_cpu: None,
             made,
+            late: Duration::ZERO,
             before,
             task: task.stage(PICTURE),
         })
@@ -215,6 +228,9 @@ impl<'j> Job<'j> {
         let mut filled = false;
         for corner in corners {
             let extent = self.tile.min(size - corner);
+            let several = film.is_some() && offsets.len() > 1;
+            let pixels = if several { extent.x * extent.y } else { 0 };
+            let mut mixtures = vec![Mixture::default(); pixels as usize];
             for (index, offset) in offsets.iter().enumerate() {
                 self.task.check()?;
                 self.sample = index as u32;
@@ -230,6 +246,7 @@ impl<'j> Job<'j> {
                         let fields: Vec<Field> = self.fields.iter().map(|t| t.field).collect();
                         let found = self.read(&fields)?;
                         self.put(film, corner, extent, &found, share, index == central);
+                        self.mix(&mut mixtures, &found);
                     }
                     None => {
                         let layers = self.fields.iter().filter(|t| t.field.is_layer());
@@ -240,11 +257,18 @@ impl<'j> Job<'j> {
                 done += 1.0;
                 self.task.tell(done / count);
             }
+            for (i, mixture) in mixtures.iter().enumerate() {
+                if let Some(film) = &mut film {
+                    film.mix(pixel_of(i, corner, extent), mixture);
+                }
+            }
         }
         let times = self.timer.take(self.device)?;
         let after = self.device.traffic();
+        self.start_up.add(prepare::PIPELINES, self.late);
         self.made.maps = self.maps.as_ref().map_or(0, |maps| maps.runs);
         Ok(Rendered {
+            notes: film.as_ref().map(Film::notes).unwrap_or_default(),
             frame: film.map(Film::into_frame).unwrap_or_default(),
             steps: self.steps(times.as_deref()),
             traffic: Traffic {
@@ -254,8 +278,8 @@ impl<'j> Job<'j> {
             },
             refined: 0,
             made: self.made,
-            elapsed: start.elapsed(),
-            notes: Vec::new(),
+            elapsed: start.elapsed().saturating_sub(self.late),
+            start_up: self.start_up,
         })
     }
 
@@ -438,18 +462,17 @@ impl<'j> Job<'j> {
     /// Runs a stage of computing, over `otherwise` workgroups unless it has its own number.
     fn compute(&mut self, index: usize, otherwise: [u32; 2]) -> Result<()> {
         let stage = &mut self.stages[index];
-        let Work::Compute(compute) = &stage.work else {
+        let Work::Compute(compute) = &mut stage.work else {
             return Ok(());
         };
         stage.runs += 1;
-        dispatch(
-            self.device,
-            self.timer,
-            index,
-            &compute.pipeline,
-            &[&self.common, &compute.group],
-            compute.groups.unwrap_or(otherwise),
-        )
+        let groups = [&self.common, &compute.group];
+        if std::mem::take(&mut compute.cold) {
+            self.late += warm(self.device, &compute.pipeline, &groups)?;
+        }
+        let over = compute.groups.unwrap_or(otherwise);
+        let pipeline = &compute.pipeline;
+        dispatch(self.device, self.timer, index, pipeline, &groups, over)
     }
 
     /// Runs a stage that fills what is kept.
@@ -569,14 +592,18 @@ impl<'j> Job<'j> {
                     pipeline,
                     group,
                     groups,
+                    cold,
                     ..
-                }) = &stage.work
+                }) = &mut stage.work
                 else {
                     continue;
                 };
                 stage.runs += 1;
                 let over = groups.unwrap_or(tile_groups(extent));
-                let groups = [&self.common, group, &ask];
+                let groups = [&self.common, &*group, &ask];
+                if std::mem::take(cold) {
+                    self.late += warm(self.device, pipeline, &groups)?;
+                }
                 dispatch(self.device, self.timer, index, pipeline, &groups, over)?;
                 self.take_counts(index)?;
             }
@@ -630,6 +657,28 @@ impl<'j> Job<'j> {
                 }
             }
         }
+    }
+
+    /// Adds the picture of a sample of a tile to what its pixels hold.
+    fn mix(&self, mixtures: &mut [Mixture], found: &[u8]) {
+        let mut at = 0;
+        let mut layers = Vec::new();
+        for target in &self.fields {
+            if target.field.is_layer() {
+                layers.push(&found[at..at + target.bytes as usize]);
+            }
+            at += target.bytes as usize;
+        }
+        mixtures
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(i, mixture)| {
+                let value = |bytes: &&[u8]| {
+                    let word = |w: usize| float(bytes, 4 * i + w);
+                    Vec3::new(word(0), word(1), word(2))
+                };
+                mixture.add(layers.iter().map(value).sum());
+            });
     }
 }
 

@@ -56,6 +56,7 @@ use job::{Job, Lent};
 use pipeline::{BUFFERS_COUNTING, Pipelines};
 use scene::SceneOnDevice;
 use std::sync::Arc;
+use std::time::Instant;
 use store::Store;
 use timer::Timer;
 
@@ -114,7 +115,7 @@ impl Gpu {
 
     /// Renders a plan.
     ///
-    /// With more than one sample, all pixels take the mean of as many rays, at the places of [`crate::plan::sample_positions`];
+    /// With more than one sample, all pixels take the mean of as many rays, at the places of [`crate::conditions::sample_positions`];
     /// distance and normal are those of the ray nearest the pixel's centre.
     ///
     /// # Errors
@@ -206,6 +207,7 @@ impl Gpu {
         self.kept.take_made();
         self.kept.take_notes();
         let mut loaded = false;
+        let begin = Instant::now();
         match &mut self.scene {
             Some(scene) if scene.is_of(conditions) => scene.follow(conditions),
             slot => {
@@ -230,11 +232,13 @@ impl Gpu {
             timer,
             counting,
         };
+        let before = begin.elapsed();
         let mut rendered =
             Job::new(plan, lent, limits.task(progress))?.render(limits.memory, growing)?;
+        rendered.start_up.add(prepare::SCENE, before);
         rendered.made.scene = loaded;
         rendered.made.products.extend(self.kept.take_made());
-        rendered.notes = self.kept.take_notes();
+        rendered.notes.extend(self.kept.take_notes());
         Ok(rendered)
     }
 }

@@ -8,6 +8,7 @@ use super::schedule::{Schedule, Touched};
 use super::source::{knob_bytes, knobs};
 use super::store::Store;
 use super::tile::Target;
+use crate::backend::rendering::StartUp;
 use crate::effect::{
     Batch, Effect, Extent, Field, Keeper, Life, Loop, MapSettings, Over, Pass, RasterView,
     Resource, Settings, When,
@@ -17,6 +18,10 @@ use crate::plan::Plan;
 use glam::UVec2;
 use std::time::Duration;
 use wgpu::*;
+
+/// Stages of the start-up: the scene's buffers and textures, and what is compiled.
+pub const SCENE: &str = "scene to device";
+pub const PIPELINES: &str = "pipelines";
 
 /// One entry of the list of what is done.
 pub struct Stage<'p> {
@@ -43,6 +48,8 @@ pub struct Compute {
     pub groups: Option<[u32; 2]>,
     /// The numbers of the beams that it runs for, of a pass for each beam.
     pub beams: Vec<usize>,
+    /// Whether it was compiled for this plan and has not run since.
+    pub cold: bool,
 }
 
 /// What the CPU does.
@@ -86,6 +93,7 @@ pub struct Maker<'m, 'p> {
     pub schedule: Schedule,
     pub fillings: Vec<Filling>,
     pub maps: Option<BeamMaps>,
+    pub start_up: StartUp,
 }
 
 impl<'p> Maker<'_, 'p> {
@@ -126,7 +134,10 @@ impl<'p> Maker<'_, 'p> {
             .into_iter()
             .filter(|field| self.field(*field).is_some())
             .collect();
-        let batch = (effect.reference)(self.plan.conditions, settings, self.kept)?;
+        let prepare = || (effect.reference)(self.plan.conditions, settings, self.kept);
+        let batch = self
+            .start_up
+            .timed(&format!("{}.prepare", effect.name), prepare)?;
         self.push(
             effect,
             "reference",
@@ -186,7 +197,8 @@ impl<'p> Maker<'_, 'p> {
         if let Over::Raster(view) = pass.over {
             let triangles = &self.scene.triangles;
             let holes = (triangles.solid as usize) < triangles.numbers.len();
-            let (raster, layout) = self.pipelines.raster(&what, holes);
+            let compile = || self.pipelines.raster(&what, holes);
+            let (raster, layout) = self.start_up.timed(PIPELINES, compile);
             let group = self.group(effect, pass, settings, &layout, None)?;
             match view {
                 RasterView::Camera(traced) => {
@@ -202,7 +214,9 @@ impl<'p> Maker<'_, 'p> {
                         raster,
                         group,
                         settings,
-                        corners: self.scene.caster_corners(self.device)?,
+                        corners: self
+                            .start_up
+                            .timed(SCENE, || self.scene.caster_corners(self.device))?,
                         beams: Vec::new(),
                         seen: None,
                         runs: 0,
@@ -243,7 +257,10 @@ impl<'p> Maker<'_, 'p> {
             }
             return Ok(());
         }
-        let (pipeline, layout) = self.pipelines.compute(&what);
+        let compiled = self.pipelines.compiled;
+        let compile = || self.pipelines.compute(&what);
+        let (pipeline, layout) = self.start_up.timed(PIPELINES, compile);
+        let cold = self.pipelines.compiled > compiled;
         for field in each {
             let group = self.group(effect, pass, settings, &layout, field)?;
             let beams = match pass.when {
@@ -265,6 +282,7 @@ impl<'p> Maker<'_, 'p> {
                 group,
                 groups,
                 beams,
+                cold,
             });
             self.push(effect, pass.entry, work);
         }
@@ -396,7 +414,8 @@ impl<'p> Maker<'_, 'p> {
                     continue;
                 }
                 Resource::CasterTree => {
-                    let tree = self.scene.caster_tree(device)?;
+                    let make = || self.scene.caster_tree(device);
+                    let tree = self.start_up.timed(SCENE, make)?;
                     bound.push(Bound::View(tree.create_view(&Default::default())));
                     continue;
                 }
@@ -430,7 +449,10 @@ impl<'p> Maker<'_, 'p> {
                         BufferUsages::STORAGE,
                     )?)
                 }
-                _ => self.scene.buffer(device, conditions, resource)?,
+                _ => {
+                    let make = || self.scene.buffer(device, conditions, resource);
+                    self.start_up.timed(SCENE, make)?
+                }
             };
             let buffer = buffer.ok_or_else(|| {
                 Error::failed(
