@@ -8,6 +8,7 @@ pub mod flat;
 pub mod gltf;
 pub mod judge;
 pub mod lamps;
+pub mod night;
 pub mod obj;
 pub mod own_effects;
 pub mod receive;
