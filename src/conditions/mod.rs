@@ -16,6 +16,7 @@ mod view;
 pub use assemble::SolarGeometry;
 pub use brightest::Brightest;
 pub use inputs::{Input, Snapshot};
+pub use penumbra::{DiscInAir, Told};
 pub use request::{CameraChoice, Request};
 pub use sun::Sun;
 pub use view::{Receiver, Receivers, View, spread};
@@ -56,6 +57,8 @@ pub struct Conditions {
     pub warnings: Vec<Warning>,
     /// What was asked for, so that it can be asked of another moment.
     request: Request,
+    /// What was found of the sun's disc in the air.
+    disc: Arc<penumbra::FoundDisc>,
 }
 
 /// The endless plane below everything.

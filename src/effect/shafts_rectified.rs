@@ -12,7 +12,8 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows, sun_beams};
+use super::soft_edges::SOFTEN;
+use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows};
 
 /// The main method.
 pub const SHAFTS_RECTIFIED: Effect = Effect {
@@ -36,6 +37,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
     ],
     decide: shafts::decide,
     reference: shafts::reference,
+    note: shafts::note,
     passes: &[
         rows::BEGIN,
         rows::MEASURE,
@@ -47,7 +49,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
             ),
             entry: "integrate",
             over: Over::Pixels,
-            when: When::EachBeam(sun_beams),
+            when: When::EachBeam(shafts::beams),
             uses: &[
                 Resource::Read(Field::Surface),
                 Resource::Knobs(|conditions, settings| {
@@ -63,6 +65,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
                 Resource::Make(&rows::TREE),
             ],
         },
+        SOFTEN,
     ],
     ..Effect::NOTHING
 };

@@ -48,6 +48,8 @@ constants! {
     CUT_OUT: u32 = 0x8000_0000;
     /// Texels in a row of the tree of casters.
     TREE_WIDTH: u32 = 4096;
+    /// Places of the table of what a line across the disc leaves of its light.
+    SHARES: u32 = 257;
     /// Numbers of a [`Surface`] that is none, and of the ground; those of triangles follow.
     NOTHING: u32 = 0;
     GROUND: u32 = 1;

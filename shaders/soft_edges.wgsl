@@ -1,0 +1,526 @@
+// The soft edges that the sun's disc makes of a point's shadows in the air: see src/effect/soft_edges.rs.
+
+// A part of the ray from which an edge is seen to cross the disc.
+struct Ramp {
+    run: vec2f,
+    // Where the edge passes over the disc's middle; FARTHEST where it does not.
+    middle: f32,
+    // The edge's number. MIXED is added where it may not hide all that lies on its side of it; TOGETHER stands for several.
+    edge: u32,
+}
+
+const MIXED = 0x80000000u;
+const TOGETHER = 0xffffffffu;
+const MOST_RAMPS = 32u;
+// In some drivers all loops of a shader together end after 65 535 turns.
+const MOST_TURNS = 48000u;
+const NODES = 3u;
+
+var<private> ramps: array<Ramp, MOST_RAMPS>;
+var<private> ramp_count: u32;
+var<private> turns: u32;
+// Of each chord of the disc its place across and half its length [radii], and its share of the light.
+var<private> chords: array<vec2f, CHORDS>;
+var<private> chord_light: array<vec3f, CHORDS>;
+var<private> chords_known: bool;
+
+fn end_texel(index: u32) -> vec4u {
+    return textureLoad(ends, vec2u(index % TREE_WIDTH, index / TREE_WIDTH), 0);
+}
+
+// A straight edge: the point of it that is nearest to the scene's anchor, and from there on the way to both ends.
+struct Edge {
+    point: vec3f,
+    direction: vec3f,
+    reach: vec2f,
+}
+
+fn edge_of(number: u32) -> Edge {
+    let first = end_texel(0u).y + 2u * (number & ~MIXED);
+    let a = bitcast<vec4f>(end_texel(first));
+    let b = bitcast<vec4f>(end_texel(first + 1u));
+    return Edge(a.xyz, b.xyz, vec2f(a.w, b.w));
+}
+
+// The share of the disc's light beside a line so many radii from its middle, positive where the middle is hidden.
+fn light_beyond(depth: f32) -> vec3f {
+    let at = 0.5 * (clamp(depth, -1.0, 1.0) + 1.0) * f32(SHARES - 1u);
+    let first = min(u32(at), SHARES - 2u);
+    let table = end_texel(0u).z;
+    let a = bitcast<vec4f>(end_texel(table + first)).xyz;
+    let b = bitcast<vec4f>(end_texel(table + first + 1u)).xyz;
+    return mix(a, b, at - f32(first));
+}
+
+// How deep the disc's middle lies behind an edge [radii], seen from a place relative to the anchor; and across the edge on the disc.
+fn edge_line(disc: Disc, edge: Edge, start: vec3f) -> vec3f {
+    return disc_line(disc, cross(edge.point - start, edge.direction));
+}
+
+fn depth_behind(disc: Disc, edge: Edge, start: vec3f) -> f32 {
+    let line = edge_line(disc, edge, start);
+    return line.z / max(length(line.xy), 1e-30);
+}
+
+// Adds a ramp in the order of where they begin; where there is no room, the two that lie closest together become one.
+fn add_ramp(ramp: Ramp) {
+    if ramp.run.y <= ramp.run.x {
+        return;
+    }
+    if ramp_count == MOST_RAMPS {
+        var at = 0u;
+        var least = FARTHEST;
+        for (var k = 0u; k + 1u < MOST_RAMPS; k++) {
+            let gap = ramps[k + 1u].run.x - ramps[k].run.y;
+            at = select(at, k, gap < least);
+            least = min(least, gap);
+        }
+        ramps[at].run.y = max(ramps[at].run.y, ramps[at + 1u].run.y);
+        ramps[at].middle = FARTHEST;
+        ramps[at].edge = TOGETHER;
+        for (var k = at + 1u; k + 1u < MOST_RAMPS; k++) {
+            ramps[k] = ramps[k + 1u];
+        }
+        ramp_count -= 1u;
+        turns += 2u * MOST_RAMPS;
+    }
+    var at = ramp_count;
+    while at > 0u && ramps[at - 1u].run.x > ramp.run.x {
+        ramps[at] = ramps[at - 1u];
+        at -= 1u;
+        turns += 1u;
+    }
+    ramps[at] = ramp;
+    ramp_count += 1u;
+}
+
+// p / q, far away where q is nearly nothing.
+fn far_ratio(p: f32, q: f32) -> f32 {
+    let divisor = select(q, select(1e-30, -1e-30, q < 0.0), abs(q) < 1e-30);
+    return clamp(p / divisor, -FARTHEST, FARTHEST);
+}
+
+// Where the line `line` + s `change` on the disc's plane touches the disc: a s^2 + 2 b s + c = 0, below 0 where it crosses it.
+struct Touch {
+    a: f32,
+    c: f32,
+    square: f32,
+    // In order.
+    roots: vec2f,
+}
+
+fn touches(line: vec3f, change: vec3f) -> Touch {
+    let a = change.z * change.z - dot(change.xy, change.xy);
+    let b = line.z * change.z - dot(line.xy, change.xy);
+    let c = line.z * line.z - dot(line.xy, line.xy);
+    let square = b * b - a * c;
+    // Without a difference of like numbers.
+    let q = -(b + select(sqrt(max(square, 0.0)), -sqrt(max(square, 0.0)), b < 0.0));
+    let one = far_ratio(q, a);
+    let other = far_ratio(c, q);
+    return Touch(a, c, square, vec2f(min(one, other), max(one, other)));
+}
+
+// What lies between a ray and the disc: n across their plane, m toward the disc, r along the ray.
+struct Wedge {
+    n: vec3f,
+    m: vec3f,
+    r: vec3f,
+    // A place sees the disc over y along m within aslant y along n, and between steep y and flat y along r; unless the ray runs
+    // along the light: then all that matters lies in a cone.
+    aslant: f32,
+    steep: f32,
+    flat: f32,
+    along: bool,
+    apex: vec3f,
+    wide: f32,
+}
+
+fn wedge_of(disc: Disc, start: vec3f, direction: vec3f, air: vec2f) -> Wedge {
+    let cosine = dot(disc.z, direction);
+    let aside = disc.z - cosine * direction;
+    let sine = length(aside);
+    var wedge: Wedge;
+    wedge.r = direction;
+    wedge.along = sine < 4.0 * disc.tangent;
+    if wedge.along {
+        wedge.apex = start + select(air.y, air.x, cosine > 0.0) * direction;
+        wedge.wide = max(disc.tangent, sine / abs(cosine));
+        return wedge;
+    }
+    wedge.m = aside / sine;
+    wedge.n = cross(wedge.m, direction);
+    wedge.aslant = disc.tangent / (sine - disc.tangent * abs(cosine));
+    wedge.steep = (cosine + sine * disc.tangent) / (sine - cosine * disc.tangent);
+    wedge.flat = (cosine - sine * disc.tangent) / (sine + cosine * disc.tangent);
+    return wedge;
+}
+
+// Whether edges in a box can be seen on the disc from somewhere on the ray.
+fn wedge_meets(wedge: Wedge, disc: Disc, start: vec3f, air: vec2f, least: vec3f, most: vec3f) -> bool {
+    let half = 0.5 * (most - least);
+    if wedge.along {
+        let c = least + half - wedge.apex;
+        let slack = 2e-6 * (length(c) + length(half));
+        let far = dot(disc.z, c) + dot(abs(disc.z), half) + slack;
+        // In the cone's own axes a box is at most as wide as its diagonal.
+        let aside = length(c - dot(disc.z, c) * disc.z);
+        return far >= 0.0 && aside <= far * wedge.wide + length(half) + slack;
+    }
+    let c = least + half - start;
+    let slack = 2e-6 * (length(c) + length(half));
+    let high = dot(wedge.m, c) + dot(abs(wedge.m), half) + slack;
+    if high < 0.0 || abs(dot(wedge.n, c)) - dot(abs(wedge.n), half) - slack > wedge.aslant * high {
+        return false;
+    }
+    let low = max(dot(wedge.m, c) - dot(abs(wedge.m), half) - slack, 0.0);
+    let z = dot(wedge.r, c);
+    let deep = dot(abs(wedge.r), half) + slack * (1.0 + max(abs(wedge.steep), abs(wedge.flat)));
+    let first = z - deep - max(low * wedge.steep, high * wedge.steep);
+    let last = z + deep - min(low * wedge.flat, high * wedge.flat);
+    return first < air.y && last > air.x;
+}
+
+// The part of the ray from which something of an edge may be seen on the disc.
+fn edge_reach(wedge: Wedge, a: vec3f, b: vec3f, air: vec2f) -> vec2f {
+    if wedge.along {
+        return air;
+    }
+    let p = vec3f(dot(wedge.n, a), dot(wedge.m, a), dot(wedge.r, a));
+    let q = vec3f(dot(wedge.n, b), dot(wedge.m, b), dot(wedge.r, b));
+    let slack = 2e-6 * (length(a) + length(b));
+    let highest = max(p.y, q.y);
+    if highest < -slack || (p.x > 0.0) == (q.x > 0.0) && min(abs(p.x), abs(q.x)) > wedge.aslant * highest + slack {
+        return vec2f(0.0);
+    }
+    let heights = max(vec2f(p.y, q.y), vec2f(0.0));
+    let first = vec2f(p.z, q.z) - heights * wedge.steep;
+    let last = vec2f(p.z, q.z) - heights * wedge.flat;
+    var run = vec2f(min(first.x, first.y), max(last.x, last.y));
+    if min(p.y, q.y) < 0.0 {
+        run = vec2f(min(run.x, min(p.z, q.z)), max(run.y, max(p.z, q.z)));
+    }
+    let more = slack * (1.0 + max(abs(wedge.steep), abs(wedge.flat)));
+    return vec2f(max(run.x - more, air.x), min(run.y + more, air.y));
+}
+
+// Takes in from where on the ray an edge is seen to cross the disc.
+//
+// Places (t, s) of ray and edge that see each other within the disc are those of a conic section. It is an ellipse unless the disc
+// meets the plane of directions of both.
+fn take_edge(disc: Disc, wedge: Wedge, number: u32, start: vec3f, direction: vec3f, air: vec2f) {
+    let edge = edge_of(number);
+    let q = edge.point - start;
+    let reach = edge_reach(wedge, q + edge.reach.x * edge.direction, q + edge.reach.y * edge.direction, air);
+    if reach.y <= reach.x {
+        return;
+    }
+    let change = disc_line(disc, -cross(direction, edge.direction));
+    // Counted from where the edge passes the middle, as far as the ray goes there: few digits are lost.
+    let passes = far_ratio(-disc_line(disc, cross(q, edge.direction)).z, change.z);
+    let base = clamp(passes, reach.x, reach.y);
+    let there = touches(disc_line(disc, cross(q - base * direction, edge.direction)), change);
+    let border = select(FARTHEST, passes, passes > reach.x && passes < reach.y);
+    if there.square <= 0.0 {
+        if there.c < 0.0 {
+            add_ramp(Ramp(reach, border, number | MIXED));
+        }
+        return;
+    }
+    let run = vec2f(max(reach.x, base + there.roots.x), min(reach.y, base + there.roots.y));
+    if there.a < 0.0 {
+        add_ramp(Ramp(vec2f(reach.x, min(reach.y, base + there.roots.x)), border, number | MIXED));
+        add_ramp(Ramp(vec2f(max(reach.x, base + there.roots.y), reach.y), border, number | MIXED));
+        return;
+    }
+    if run.y <= run.x {
+        return;
+    }
+    // The same of the ray as seen from the edge.
+    let onward = disc_line(disc, cross(edge.direction, direction));
+    let foot = clamp(far_ratio(-disc_line(disc, cross(q, direction)).z, onward.z), edge.reach.x, edge.reach.y);
+    let seen = touches(disc_line(disc, cross(q + foot * edge.direction, direction)), onward);
+    let part = foot + seen.roots;
+    let middle = q + 0.5 * (part.x + part.y) * edge.direction - (base + 0.5 * (there.roots.x + there.roots.y)) * direction;
+    if seen.square <= 0.0 || part.y < edge.reach.x || part.x > edge.reach.y || dot(middle, disc.z) <= 0.0 {
+        return;
+    }
+    let is_whole = part.x >= edge.reach.x && part.y <= edge.reach.y;
+    add_ramp(Ramp(run, border, select(number | MIXED, number, is_whole)));
+}
+
+fn find_ramps(disc: Disc, start: vec3f, direction: vec3f, air: vec2f) {
+    let wedge = wedge_of(disc, start, direction, air);
+    ramp_count = 0u;
+    let end = end_texel(0u).x;
+    var i = 1u;
+    while i < end && turns < MOST_TURNS {
+        turns += 1u;
+        let low = end_texel(2u * i);
+        let high = end_texel(2u * i + 1u);
+        let met = wedge_meets(wedge, disc, start, air, bitcast<vec3f>(low.xyz), bitcast<vec3f>(high.xyz));
+        i = select(low.w, i + 1u, met);
+        if met && high.w != 0u {
+            take_edge(disc, wedge, high.w - 1u, start, direction, air);
+        }
+    }
+}
+
+// Whether a caster without holes hides a point of the disc from a place.
+fn is_hidden(disc: Disc, start: vec3f, at: vec2f, blur: f32) -> bool {
+    let way = normalize(disc.z + disc.tangent * (at.x * disc.x + at.y * disc.y));
+    let ray = Disc(disc.x, disc.y, way, 0.0, disc.limb);
+    var walk = Walk(1u, tree_texel(0u).x);
+    while turns < MOST_TURNS {
+        turns += 1u;
+        let triangle = disc_next(ray, &walk, start, NO_CASTER);
+        if triangle == NO_CASTER {
+            return false;
+        }
+        if has_holes(triangle) {
+            continue;
+        }
+        let outline = disc_outline(disc, triangle, start, blur);
+        let d = vec3f(at, 1.0);
+        if dot(outline.a, d) > 0.0 && dot(outline.b, d) > 0.0 && dot(outline.c, d) > 0.0 {
+            return true;
+        }
+    }
+    return true;
+}
+
+fn know_chords(disc: Disc) {
+    if chords_known {
+        return;
+    }
+    chords_known = true;
+    var whole = vec3f(0.0);
+    for (var j = 0u; j < CHORDS; j++) {
+        let angle = 3.14159265358979 * f32(j + 1u) / f32(CHORDS + 1u);
+        let half = sin(angle);
+        chords[j] = vec2f(cos(angle), half);
+        chord_light[j] = half * half * pow(vec3f(half), disc.limb);
+        whole += chord_light[j];
+    }
+    for (var j = 0u; j < CHORDS; j++) {
+        chord_light[j] /= 32.0 * whole;
+    }
+    turns += 2u * CHORDS;
+}
+
+// The share of the disc's light that casters without holes leave to a place, and whether its middle is seen.
+fn disc_seen(disc: Disc, start: vec3f, turn: vec2f, blur: f32) -> vec4f {
+    var dark: array<u32, CHORDS>;
+    var middle = 1.0;
+    var walk = Walk(1u, tree_texel(0u).x);
+    while turns < MOST_TURNS {
+        turns += 1u;
+        let triangle = disc_next(disc, &walk, start, NO_CASTER);
+        if triangle == NO_CASTER {
+            break;
+        }
+        if has_holes(triangle) {
+            continue;
+        }
+        let outline = disc_outline(disc, triangle, start, blur);
+        let meets = disc_meets(outline);
+        if meets == MEETS_ALL {
+            return vec4f(0.0);
+        }
+        if meets == MEETS_PART {
+            middle *= select(1.0, 0.0, min(outline.a.z, min(outline.b.z, outline.c.z)) > 0.0);
+            for (var j = 0u; j < CHORDS; j++) {
+                let chord = chords[j];
+                var run = vec2f(-chord.y, chord.y);
+                run = disc_cut(run, outline.a, turn, chord.x);
+                run = disc_cut(run, outline.b, turn, chord.x);
+                run = disc_cut(run, outline.c, turn, chord.x);
+                if run.x < run.y {
+                    dark[j] |= disc_bits(disc, run / chord.y, disc_shift(j));
+                }
+            }
+            turns += CHORDS;
+        }
+    }
+    var sum = vec3f(0.0);
+    for (var j = 0u; j < CHORDS; j++) {
+        sum += f32(countOneBits(~dark[j])) * chord_light[j];
+    }
+    turns += CHORDS;
+    return vec4f(sum, middle);
+}
+
+fn node_place(node: u32) -> f32 {
+    return 0.5 + 0.5 * (f32(node) - 1.0) * 0.774596669;
+}
+
+fn node_weight(node: u32) -> f32 {
+    return select(5.0, 8.0, node == 1u) / 18.0;
+}
+
+// What is the light's share at the nodes of a run, or the edge that it follows from.
+struct Shares {
+    at: array<vec3f, NODES>,
+    edge: Edge,
+    by_edge: bool,
+    // Whether the middle is seen all along.
+    middle: f32,
+}
+
+// The integral over a run of the air's light times how much more of it arrives than of the middle's alone.
+fn soften_run(disc: Disc, origin: vec3f, start: vec3f, direction: vec3f, sources: u32, run: vec2f, shares: Shares) -> vec3f {
+    var sum = vec3f(0.0);
+    var at = run.x;
+    for (var guard = 0u; guard <= 14u * tile.media && at < run.y; guard++) {
+        let end = min(run.y, next_bend(origin, direction, disc.z, at));
+        var depths: array<vec3f, 2>;
+        for (var k = 0u; k < 2u; k++) {
+            let t = mix(at, end, 0.001 + 0.998 * f32(k));
+            depths[k] = optical_depth(origin, direction, t, sources) + sun_optical_depth(origin + t * direction, disc.z);
+        }
+        let change = abs(depths[1] - depths[0]);
+        var uneven = max(change.x, max(change.y, change.z));
+        for (var i = 0u; i < tile.media; i++) {
+            if media[i].shape == HEIGHT {
+                uneven = max(uneven, abs(direction.y * (end - at) / media[i].scale_height));
+            }
+        }
+        let parts = u32(clamp(ceil(uneven), 1.0, 32.0));
+        let step = (end - at) / f32(parts);
+        for (var k = 0u; k < parts; k++) {
+            for (var node = 0u; node < NODES; node++) {
+                let t = at + (f32(k) + node_place(node)) * step;
+                var share: vec3f;
+                if shares.by_edge {
+                    share = light_beyond(depth_behind(disc, shares.edge, start + t * direction));
+                } else {
+                    // The parabola through the nodes.
+                    let u = ((t - run.x) / (run.y - run.x) - 0.5) / (0.5 * 0.774596669);
+                    share = 0.5 * u * (u - 1.0) * shares.at[0] + (1.0 - u * u) * shares.at[1] + 0.5 * u * (u + 1.0) * shares.at[2];
+                    share = clamp(share, vec3f(-1.0), vec3f(1.0));
+                }
+                sum += step * node_weight(node) * (share - shares.middle) * beam_scattered(origin, direction, t, sources);
+            }
+        }
+        turns += parts * NODES;
+        at = end;
+    }
+    return sum;
+}
+
+@compute @workgroup_size(8, 8)
+fn soften(@builtin(global_invocation_id) id: vec3u) {
+    if !inside_tile(id) {
+        return;
+    }
+    let i = pixel_index(id);
+    let origin = ray_origin(id);
+    let direction = ray_direction(id);
+    let span = shaded_span(origin, direction, surfaces[i]);
+    if span.air.y <= span.air.x {
+        return;
+    }
+    let disc = disc_of(beam.toward, beam.extent, vec3f(knobs.limb_red, knobs.limb_green, knobs.limb_blue));
+    let start = origin + tile.eye;
+    find_ramps(disc, start, direction, span.air);
+    if ramp_count == 0u {
+        return;
+    }
+    var sum = vec3f(0.0);
+    var at = ramps[0].run.x;
+    while turns < MOST_TURNS {
+        // What crosses the disc there, and where that changes.
+        var next = 2.0 * FARTHEST;
+        var count = 0u;
+        var only = 0u;
+        for (var k = 0u; k < ramp_count; k++) {
+            let run = ramps[k].run;
+            let present = run.x <= at && run.y > at;
+            count += u32(present);
+            only = select(only, k, present);
+            let change = select(run.y, run.x, run.x > at);
+            next = select(next, min(next, change), change > at);
+        }
+        turns += ramp_count;
+        if next > FARTHEST {
+            break;
+        }
+        if count == 0u {
+            at = next;
+            continue;
+        }
+        var shares: Shares;
+        let ramp = ramps[only];
+        let is_plain = count == 1u && (ramp.edge & MIXED) == 0u;
+        // Up to where the middle is seen from, and from there on.
+        var runs = vec3f(at, next, next);
+        if is_plain {
+            shares.edge = edge_of(ramp.edge);
+            shares.by_edge = true;
+            if ramp.middle > at && ramp.middle < next {
+                runs.y = ramp.middle;
+            }
+            // All else hides what this edge leaves, or nothing of it: a point in the middle of the most that it leaves tells which.
+            let lines = array<vec3f, 2>(edge_line(disc, shares.edge, start + mix(at, next, 0.002) * direction),
+                                        edge_line(disc, shares.edge, start + mix(at, next, 0.998) * direction));
+            let depths = vec2f(lines[0].z / max(length(lines[0].xy), 1e-30), lines[1].z / max(length(lines[1].xy), 1e-30));
+            let first = depths.x < depths.y;
+            let line = select(lines[1], lines[0], first);
+            let depth = clamp(select(depths.y, depths.x, first), -1.0, 1.0);
+            let t = mix(at, next, select(0.998, 0.002, first));
+            let p = start + t * direction;
+            let blur = 4e-7 * (length(p - tile.eye) + length(tile.eye));
+            let open = -normalize(line.xy) * 0.5 * (1.0 + depth);
+            if is_hidden(disc, p, open, blur) {
+                at = next;
+                continue;
+            }
+            for (var k = 0u; k < 2u; k++) {
+                let run = select(runs.xy, runs.yz, k == 1u);
+                let depth = depth_behind(disc, shares.edge, start + 0.5 * (run.x + run.y) * direction);
+                shares.middle = select(0.0, 1.0, depth < 0.0);
+                sum += soften_run(disc, origin, start, direction, span.sources, run, shares);
+            }
+        } else {
+            // Up to where the next edge passes the middle; chords lie across the edges.
+            var across: array<f32, TURNS>;
+            for (var k = 0u; k < TURNS; k++) {
+                across[k] = 1.0;
+            }
+            for (var k = 0u; k < ramp_count; k++) {
+                let other = ramps[k];
+                if other.run.x <= at && other.run.y > at {
+                    next = select(next, min(next, other.middle), other.middle > at);
+                }
+            }
+            let p = start + 0.5 * (at + next) * direction;
+            for (var k = 0u; k < ramp_count; k++) {
+                let other = ramps[k];
+                if other.run.x <= at && other.run.y > at && other.edge != TOGETHER {
+                    let line = edge_line(disc, edge_of(other.edge), p);
+                    let size = max(length(line.xy), 1e-30);
+                    for (var j = 0u; j < TURNS; j++) {
+                        let turn = disc_turn(j);
+                        across[j] = min(across[j], abs(line.y * turn.x - line.x * turn.y) / size);
+                    }
+                    turns += TURNS;
+                }
+            }
+            var best = 0u;
+            for (var k = 1u; k < TURNS; k++) {
+                best = select(best, k, across[k] > across[best]);
+            }
+            turns += 2u * ramp_count + 2u * TURNS;
+            know_chords(disc);
+            for (var node = 0u; node < NODES; node++) {
+                let place = start + mix(at, next, node_place(node)) * direction;
+                let blur = 4e-7 * (length(place - tile.eye) + length(tile.eye));
+                let seen = disc_seen(disc, place, disc_turn(best), blur);
+                shares.at[node] = seen.xyz - seen.w;
+            }
+            sum += soften_run(disc, origin, start, direction, span.sources, vec2f(at, next), shares);
+        }
+        at = next;
+    }
+    inscatter_sun[i] = vec4f(max(inscatter_sun[i].xyz + sum, vec3f(0.0)), 0.0);
+}
