@@ -3,24 +3,25 @@
 // A part of the ray from which an edge is seen to cross the disc.
 struct Ramp {
     run: vec2f,
-    // Where the edge passes over the disc's middle; FARTHEST where it does not.
-    middle: f32,
     // The edge's number. MIXED is added where it may not hide all that lies on its side of it; TOGETHER stands for several.
     edge: u32,
 }
 
 const MIXED = 0x80000000u;
 const TOGETHER = 0xffffffffu;
-const MOST_RAMPS = 32u;
-// In some drivers all loops of a shader together end after 65 535 turns.
-const MOST_TURNS = 48000u;
-const NODES = 3u;
+// In some drivers all loops of a shader, as the slowest of some pixels goes through them, together end after 65 535 turns.
+const MOST_TURNS = 30000u;
+const NODES = 4u;
 
 var<private> ramps: array<Ramp, MOST_RAMPS>;
 var<private> ramp_count: u32;
 var<private> turns: u32;
-// Of each chord of the disc its place across and half its length [radii], and its share of the light.
-var<private> chords: array<vec2f, CHORDS>;
+// Where edges pass over the disc's middle, in order.
+var<private> passings: array<f32, MOST_RAMPS>;
+var<private> passing_count: u32;
+// Of four chords of the disc each: places across, half their lengths [radii], and how their bits are shifted; each one's share of the
+// light a bit.
+var<private> chords: array<array<vec4f, 3>, CHORDS / 4u>;
 var<private> chord_light: array<vec3f, CHORDS>;
 var<private> chords_known: bool;
 
@@ -76,7 +77,6 @@ fn add_ramp(ramp: Ramp) {
             least = min(least, gap);
         }
         ramps[at].run.y = max(ramps[at].run.y, ramps[at + 1u].run.y);
-        ramps[at].middle = FARTHEST;
         ramps[at].edge = TOGETHER;
         for (var k = at + 1u; k + 1u < MOST_RAMPS; k++) {
             ramps[k] = ramps[k + 1u];
@@ -92,6 +92,21 @@ fn add_ramp(ramp: Ramp) {
     }
     ramps[at] = ramp;
     ramp_count += 1u;
+}
+
+// Takes in where an edge passes over the disc's middle, as long as there is room.
+fn add_passing(t: f32) {
+    if passing_count == MOST_RAMPS {
+        return;
+    }
+    var at = passing_count;
+    while at > 0u && passings[at - 1u] > t {
+        passings[at] = passings[at - 1u];
+        at -= 1u;
+        turns += 1u;
+    }
+    passings[at] = t;
+    passing_count += 1u;
 }
 
 // p / q, far away where q is nearly nothing.
@@ -220,17 +235,19 @@ fn take_edge(disc: Disc, wedge: Wedge, number: u32, start: vec3f, direction: vec
     let passes = far_ratio(-disc_line(disc, cross(q, edge.direction)).z, change.z);
     let base = clamp(passes, reach.x, reach.y);
     let there = touches(disc_line(disc, cross(q - base * direction, edge.direction)), change);
-    let border = select(FARTHEST, passes, passes > reach.x && passes < reach.y);
+    if knobs.replaces == 0u && passes > reach.x && passes < reach.y {
+        add_passing(passes);
+    }
     if there.square <= 0.0 {
         if there.c < 0.0 {
-            add_ramp(Ramp(reach, border, number | MIXED));
+            add_ramp(Ramp(reach, number | MIXED));
         }
         return;
     }
     let run = vec2f(max(reach.x, base + there.roots.x), min(reach.y, base + there.roots.y));
     if there.a < 0.0 {
-        add_ramp(Ramp(vec2f(reach.x, min(reach.y, base + there.roots.x)), border, number | MIXED));
-        add_ramp(Ramp(vec2f(max(reach.x, base + there.roots.y), reach.y), border, number | MIXED));
+        add_ramp(Ramp(vec2f(reach.x, min(reach.y, base + there.roots.x)), number | MIXED));
+        add_ramp(Ramp(vec2f(max(reach.x, base + there.roots.y), reach.y), number | MIXED));
         return;
     }
     if run.y <= run.x {
@@ -246,12 +263,11 @@ fn take_edge(disc: Disc, wedge: Wedge, number: u32, start: vec3f, direction: vec
         return;
     }
     let is_whole = part.x >= edge.reach.x && part.y <= edge.reach.y;
-    add_ramp(Ramp(run, border, select(number | MIXED, number, is_whole)));
+    add_ramp(Ramp(run, select(number | MIXED, number, is_whole)));
 }
 
 fn find_ramps(disc: Disc, start: vec3f, direction: vec3f, air: vec2f) {
     let wedge = wedge_of(disc, start, direction, air);
-    ramp_count = 0u;
     let end = end_texel(0u).x;
     var i = 1u;
     while i < end && turns < MOST_TURNS {
@@ -270,11 +286,11 @@ fn find_ramps(disc: Disc, start: vec3f, direction: vec3f, air: vec2f) {
 fn is_hidden(disc: Disc, start: vec3f, at: vec2f, blur: f32) -> bool {
     let way = normalize(disc.z + disc.tangent * (at.x * disc.x + at.y * disc.y));
     let ray = Disc(disc.x, disc.y, way, 0.0, disc.limb);
-    var walk = Walk(1u, tree_texel(0u).x);
-    while turns < MOST_TURNS {
-        turns += 1u;
+    var walk = Walk(1u, tree_texel(0u).x, 0u);
+    while turns + walk.steps < MOST_TURNS {
         let triangle = disc_next(ray, &walk, start, NO_CASTER);
         if triangle == NO_CASTER {
+            turns += walk.steps;
             return false;
         }
         if has_holes(triangle) {
@@ -283,9 +299,10 @@ fn is_hidden(disc: Disc, start: vec3f, at: vec2f, blur: f32) -> bool {
         let outline = disc_outline(disc, triangle, start, blur);
         let d = vec3f(at, 1.0);
         if dot(outline.a, d) > 0.0 && dot(outline.b, d) > 0.0 && dot(outline.c, d) > 0.0 {
-            return true;
+            break;
         }
     }
+    turns += walk.steps;
     return true;
 }
 
@@ -298,7 +315,9 @@ fn know_chords(disc: Disc) {
     for (var j = 0u; j < CHORDS; j++) {
         let angle = 3.14159265358979 * f32(j + 1u) / f32(CHORDS + 1u);
         let half = sin(angle);
-        chords[j] = vec2f(cos(angle), half);
+        chords[j / 4u][0][j % 4u] = cos(angle);
+        chords[j / 4u][1][j % 4u] = half;
+        chords[j / 4u][2][j % 4u] = disc_shift(j);
         chord_light[j] = half * half * pow(vec3f(half), disc.limb);
         whole += chord_light[j];
     }
@@ -308,13 +327,37 @@ fn know_chords(disc: Disc) {
     turns += 2u * CHORDS;
 }
 
-// The share of the disc's light that casters without holes leave to a place, and whether its middle is seen.
-fn disc_seen(disc: Disc, start: vec3f, turn: vec2f, blur: f32) -> vec4f {
-    var dark: array<u32, CHORDS>;
-    var middle = 1.0;
-    var walk = Walk(1u, tree_texel(0u).x);
-    while turns < MOST_TURNS {
-        turns += 1u;
+// The parts of four chords, from `first` to `last`, in which a line is not negative.
+struct Cuts {
+    first: vec4f,
+    last: vec4f,
+}
+
+fn cut_chords(cuts: Cuts, line: vec3f, turn: vec2f, offsets: vec4f) -> Cuts {
+    let middle = line.z + offsets * dot(line.xy, turn);
+    let slope = line.y * turn.x - line.x * turn.y;
+    let places = -middle / select(slope, 1.0, slope == 0.0);
+    let first = select(cuts.first, max(cuts.first, places), slope > 0.0);
+    let last = select(cuts.last, min(cuts.last, places), slope < 0.0);
+    return Cuts(first, select(last, vec4f(-2.0), vec4<bool>(slope == 0.0) & (middle < vec4f(0.0))));
+}
+
+// How many of 32 bits lie before places of four chords, -1 to 1, as `disc_bits` counts them.
+fn bits_before(disc: Disc, places: vec4f, shifts: vec4f) -> vec4u {
+    let v = clamp(places, vec4f(-1.0), vec4f(1.0));
+    var before = 0.5 + 0.5 * v;
+    if disc.limb.y != 0.0 {
+        before = 0.5 + 0.57207 * v * (1.0 - v * v * (0.083333 + v * v * (0.01875 + v * v * 0.023897)));
+    }
+    let count = vec4u(clamp(ceil(32.0 * before - shifts), vec4f(0.0), vec4f(32.0)));
+    return select((vec4u(1u) << min(count, vec4u(31u))) - vec4u(1u), vec4u(0xffffffffu), count == vec4u(32u));
+}
+
+// The share of the disc's light that casters without holes leave to a place.
+fn disc_seen(disc: Disc, start: vec3f, turn: vec2f, blur: f32) -> vec3f {
+    var dark: array<vec4u, CHORDS / 4u>;
+    var walk = Walk(1u, tree_texel(0u).x, 0u);
+    while turns + walk.steps < MOST_TURNS {
         let triangle = disc_next(disc, &walk, start, NO_CASTER);
         if triangle == NO_CASTER {
             break;
@@ -325,50 +368,62 @@ fn disc_seen(disc: Disc, start: vec3f, turn: vec2f, blur: f32) -> vec4f {
         let outline = disc_outline(disc, triangle, start, blur);
         let meets = disc_meets(outline);
         if meets == MEETS_ALL {
-            return vec4f(0.0);
+            turns += walk.steps;
+            return vec3f(0.0);
         }
         if meets == MEETS_PART {
-            middle *= select(1.0, 0.0, min(outline.a.z, min(outline.b.z, outline.c.z)) > 0.0);
-            for (var j = 0u; j < CHORDS; j++) {
+            for (var j = 0u; j < CHORDS / 4u; j++) {
                 let chord = chords[j];
-                var run = vec2f(-chord.y, chord.y);
-                run = disc_cut(run, outline.a, turn, chord.x);
-                run = disc_cut(run, outline.b, turn, chord.x);
-                run = disc_cut(run, outline.c, turn, chord.x);
-                if run.x < run.y {
-                    dark[j] |= disc_bits(disc, run / chord.y, disc_shift(j));
-                }
+                var cuts = Cuts(-chord[1], chord[1]);
+                cuts = cut_chords(cuts, outline.a, turn, chord[0]);
+                cuts = cut_chords(cuts, outline.b, turn, chord[0]);
+                cuts = cut_chords(cuts, outline.c, turn, chord[0]);
+                dark[j] |= bits_before(disc, cuts.last / chord[1], chord[2]) & ~bits_before(disc, cuts.first / chord[1], chord[2]);
             }
-            turns += CHORDS;
+            turns += CHORDS / 4u;
         }
+        turns += 1u;
     }
     var sum = vec3f(0.0);
-    for (var j = 0u; j < CHORDS; j++) {
-        sum += f32(countOneBits(~dark[j])) * chord_light[j];
+    for (var j = 0u; j < CHORDS / 4u; j++) {
+        let lit = vec4f(countOneBits(~dark[j]));
+        for (var k = 0u; k < 4u; k++) {
+            sum += lit[k] * chord_light[4u * j + k];
+        }
     }
-    turns += CHORDS;
-    return vec4f(sum, middle);
+    turns += walk.steps + CHORDS + CHORDS / 4u;
+    return sum;
 }
 
-fn node_place(node: u32) -> f32 {
-    return 0.5 + 0.5 * (f32(node) - 1.0) * 0.774596669;
+const NODE_PLACES = vec4f(0.0694318442, 0.3300094782, 0.6699905218, 0.9305681558);
+const NODE_WEIGHTS = vec4f(0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226);
+
+// The weights at a place, 0 to 1, of values at the nodes in the polynomial through these.
+fn node_shares(place: f32) -> vec4f {
+    let d = place - NODE_PLACES;
+    return vec4f(d.y * d.z * d.w, d.x * d.z * d.w, d.x * d.y * d.w, d.x * d.y * d.z)
+        * vec4f(-7.42054006, 18.79544941, -18.79544941, 7.42054006);
 }
 
-fn node_weight(node: u32) -> f32 {
-    return select(5.0, 8.0, node == 1u) / 18.0;
-}
-
-// What is the light's share at the nodes of a run, or the edge that it follows from.
+// What arrives of the light on a run: the share beside an edge, or that at the nodes, by channel.
 struct Shares {
-    at: array<vec3f, NODES>,
     edge: Edge,
     by_edge: bool,
-    // Whether the middle is seen all along.
-    middle: f32,
+    red: vec4f,
+    green: vec4f,
+    blue: vec4f,
 }
 
-// The integral over a run of the air's light times how much more of it arrives than of the middle's alone.
-fn soften_run(disc: Disc, origin: vec3f, start: vec3f, direction: vec3f, sources: u32, run: vec2f, shares: Shares) -> vec3f {
+fn share_at(disc: Disc, shares: Shares, p: vec3f, place: f32) -> vec3f {
+    if shares.by_edge {
+        return light_beyond(depth_behind(disc, shares.edge, p));
+    }
+    let nodes = node_shares(place);
+    return clamp(vec3f(dot(nodes, shares.red), dot(nodes, shares.green), dot(nodes, shares.blue)), vec3f(0.0), vec3f(1.0));
+}
+
+// The integral over a run of what the air sends to the eye of the light that arrives.
+fn soft_run(disc: Disc, origin: vec3f, direction: vec3f, sources: u32, run: vec2f, shares: Shares) -> vec3f {
     var sum = vec3f(0.0);
     var at = run.x;
     for (var guard = 0u; guard <= 14u * tile.media && at < run.y; guard++) {
@@ -387,24 +442,74 @@ fn soften_run(disc: Disc, origin: vec3f, start: vec3f, direction: vec3f, sources
         }
         let parts = u32(clamp(ceil(uneven), 1.0, 32.0));
         let step = (end - at) / f32(parts);
-        for (var k = 0u; k < parts; k++) {
-            for (var node = 0u; node < NODES; node++) {
-                let t = at + (f32(k) + node_place(node)) * step;
-                var share: vec3f;
-                if shares.by_edge {
-                    share = light_beyond(depth_behind(disc, shares.edge, start + t * direction));
-                } else {
-                    // The parabola through the nodes.
-                    let u = ((t - run.x) / (run.y - run.x) - 0.5) / (0.5 * 0.774596669);
-                    share = 0.5 * u * (u - 1.0) * shares.at[0] + (1.0 - u * u) * shares.at[1] + 0.5 * u * (u + 1.0) * shares.at[2];
-                    share = clamp(share, vec3f(-1.0), vec3f(1.0));
-                }
-                sum += step * node_weight(node) * (share - shares.middle) * beam_scattered(origin, direction, t, sources);
-            }
+        for (var k = 0u; k < parts * NODES; k++) {
+            let t = at + (f32(k / NODES) + NODE_PLACES[k % NODES]) * step;
+            let share = share_at(disc, shares, origin + tile.eye + t * direction, (t - run.x) / (run.y - run.x));
+            sum += step * NODE_WEIGHTS[k % NODES] * share * beam_scattered(origin, direction, t, sources);
         }
-        turns += parts * NODES;
+        turns += parts * NODES + 4u;
         at = end;
     }
+    return sum;
+}
+
+// Whether any of the light that a lone edge leaves arrives on a run: all else hides all of it, or nothing.
+fn edge_is_open(disc: Disc, start: vec3f, direction: vec3f, run: vec2f, edge: Edge) -> bool {
+    // A point in the middle of the most that the edge leaves tells which.
+    let ends = vec2f(mix(run.x, run.y, 0.002), mix(run.x, run.y, 0.998));
+    let one = edge_line(disc, edge, start + ends.x * direction);
+    let other = edge_line(disc, edge, start + ends.y * direction);
+    let sizes = max(vec2f(length(one.xy), length(other.xy)), vec2f(1e-30));
+    let depths = vec2f(one.z, other.z) / sizes;
+    let is_first = depths.x < depths.y;
+    let p = start + select(ends.y, ends.x, is_first) * direction;
+    let across = select(other.xy / sizes.y, one.xy / sizes.x, is_first);
+    let open = -0.5 * (1.0 + clamp(min(depths.x, depths.y), -1.0, 1.0)) * across;
+    return !is_hidden(disc, p, open, 4e-7 * (length(p - tile.eye) + length(tile.eye)));
+}
+
+// The direction of chords that lies most across the edges that cross the disc from a part of the ray.
+fn chords_across(disc: Disc, p: vec3f, at: f32) -> vec2f {
+    var across: array<f32, TURNS>;
+    for (var k = 0u; k < TURNS; k++) {
+        across[k] = 1.0;
+    }
+    for (var k = 0u; k < ramp_count; k++) {
+        if ramps[k].run.x <= at && ramps[k].run.y > at && ramps[k].edge != TOGETHER {
+            let line = edge_line(disc, edge_of(ramps[k].edge), p);
+            let size = max(length(line.xy), 1e-30);
+            for (var j = 0u; j < TURNS; j++) {
+                let turn = disc_turn(j);
+                across[j] = min(across[j], abs(line.y * turn.x - line.x * turn.y) / size);
+            }
+            turns += TURNS;
+        }
+    }
+    var best = 0u;
+    for (var k = 1u; k < TURNS; k++) {
+        best = select(best, k, across[k] > across[best]);
+    }
+    turns += ramp_count + 2u * TURNS;
+    return disc_turn(best);
+}
+
+// What a point in the disc's middle lights of a run.
+fn middle_run(disc: Disc, origin: vec3f, direction: vec3f, sources: u32, run: vec2f) -> vec3f {
+    var all: Shares;
+    all.red = vec4f(1.0);
+    all.green = vec4f(1.0);
+    all.blue = vec4f(1.0);
+    var sum = vec3f(0.0);
+    var at = run.x;
+    for (var k = 0u; k <= passing_count; k++) {
+        let end = clamp(select(run.y, passings[min(k, MOST_RAMPS - 1u)], k < passing_count), at, run.y);
+        let p = origin + tile.eye + 0.5 * (at + end) * direction;
+        if end > at && !is_hidden(disc, p, vec2f(0.0), 4e-7 * (length(p - tile.eye) + length(tile.eye))) {
+            sum += soft_run(disc, origin, direction, sources, vec2f(at, end), all);
+        }
+        at = end;
+    }
+    turns += passing_count;
     return sum;
 }
 
@@ -417,20 +522,21 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
     let origin = ray_origin(id);
     let direction = ray_direction(id);
     let span = shaded_span(origin, direction, surfaces[i]);
-    if span.air.y <= span.air.x {
-        return;
-    }
     let disc = disc_of(beam.toward, beam.extent, vec3f(knobs.limb_red, knobs.limb_green, knobs.limb_blue));
     let start = origin + tile.eye;
-    find_ramps(disc, start, direction, span.air);
-    if ramp_count == 0u {
-        return;
+    ramp_count = 0u;
+    if span.air.y > span.air.x {
+        find_ramps(disc, start, direction, span.air);
     }
     var sum = vec3f(0.0);
-    var at = ramps[0].run.x;
+    var found = 0u;
+    var begun = -1.0;
+    var at = select(0.0, ramps[0].run.x, ramp_count > 0u);
     while turns < MOST_TURNS {
         // What crosses the disc there, and where that changes.
         var next = 2.0 * FARTHEST;
+        var last = at;
+        var shortest = FARTHEST;
         var count = 0u;
         var only = 0u;
         for (var k = 0u; k < ramp_count; k++) {
@@ -438,10 +544,22 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
             let present = run.x <= at && run.y > at;
             count += u32(present);
             only = select(only, k, present);
+            shortest = select(shortest, min(shortest, run.y - run.x), present);
+            last = select(last, max(last, run.y), present);
             let change = select(run.y, run.x, run.x > at);
             next = select(next, min(next, change), change > at);
         }
         turns += ramp_count;
+        if begun >= 0.0 && count == 0u {
+            // A part of the ray in penumbrae ends.
+            if knobs.replaces == 0u {
+                sum -= middle_run(disc, origin, direction, span.sources, vec2f(begun, at));
+            } else {
+                penumbrae[PENUMBRA_SIZE * i + 1u + found] = vec2f(begun, at);
+            }
+            found += 1u;
+            begun = -1.0;
+        }
         if next > FARTHEST {
             break;
         }
@@ -449,78 +567,50 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
             at = next;
             continue;
         }
+        begun = select(begun, at, begun < 0.0);
         var shares: Shares;
-        let ramp = ramps[only];
-        let is_plain = count == 1u && (ramp.edge & MIXED) == 0u;
-        // Up to where the middle is seen from, and from there on.
-        var runs = vec3f(at, next, next);
-        if is_plain {
-            shares.edge = edge_of(ramp.edge);
-            shares.by_edge = true;
-            if ramp.middle > at && ramp.middle < next {
-                runs.y = ramp.middle;
-            }
-            // All else hides what this edge leaves, or nothing of it: a point in the middle of the most that it leaves tells which.
-            let lines = array<vec3f, 2>(edge_line(disc, shares.edge, start + mix(at, next, 0.002) * direction),
-                                        edge_line(disc, shares.edge, start + mix(at, next, 0.998) * direction));
-            let depths = vec2f(lines[0].z / max(length(lines[0].xy), 1e-30), lines[1].z / max(length(lines[1].xy), 1e-30));
-            let first = depths.x < depths.y;
-            let line = select(lines[1], lines[0], first);
-            let depth = clamp(select(depths.y, depths.x, first), -1.0, 1.0);
-            let t = mix(at, next, select(0.998, 0.002, first));
-            let p = start + t * direction;
-            let blur = 4e-7 * (length(p - tile.eye) + length(tile.eye));
-            let open = -normalize(line.xy) * 0.5 * (1.0 + depth);
-            if is_hidden(disc, p, open, blur) {
-                at = next;
-                continue;
-            }
-            for (var k = 0u; k < 2u; k++) {
-                let run = select(runs.xy, runs.yz, k == 1u);
-                let depth = depth_behind(disc, shares.edge, start + 0.5 * (run.x + run.y) * direction);
-                shares.middle = select(0.0, 1.0, depth < 0.0);
-                sum += soften_run(disc, origin, start, direction, span.sources, run, shares);
-            }
+        shares.by_edge = count == 1u && (ramps[only].edge & MIXED) == 0u;
+        var is_open = true;
+        if shares.by_edge {
+            shares.edge = edge_of(ramps[only].edge);
+            is_open = edge_is_open(disc, start, direction, vec2f(at, next), shares.edge);
         } else {
-            // Up to where the next edge passes the middle; chords lie across the edges.
-            var across: array<f32, TURNS>;
-            for (var k = 0u; k < TURNS; k++) {
-                across[k] = 1.0;
-            }
+            // Much shorter parts than the shortest ramp tell no more.
+            let enough = at + 0.125 * shortest;
+            next = last;
             for (var k = 0u; k < ramp_count; k++) {
-                let other = ramps[k];
-                if other.run.x <= at && other.run.y > at {
-                    next = select(next, min(next, other.middle), other.middle > at);
-                }
+                let run = ramps[k].run;
+                next = select(next, min(next, run.x), run.x > enough);
+                next = select(next, min(next, run.y), run.y > enough);
             }
-            let p = start + 0.5 * (at + next) * direction;
-            for (var k = 0u; k < ramp_count; k++) {
-                let other = ramps[k];
-                if other.run.x <= at && other.run.y > at && other.edge != TOGETHER {
-                    let line = edge_line(disc, edge_of(other.edge), p);
-                    let size = max(length(line.xy), 1e-30);
-                    for (var j = 0u; j < TURNS; j++) {
-                        let turn = disc_turn(j);
-                        across[j] = min(across[j], abs(line.y * turn.x - line.x * turn.y) / size);
-                    }
-                    turns += TURNS;
-                }
-            }
-            var best = 0u;
-            for (var k = 1u; k < TURNS; k++) {
-                best = select(best, k, across[k] > across[best]);
-            }
-            turns += 2u * ramp_count + 2u * TURNS;
+            turns += ramp_count;
             know_chords(disc);
+            let turn = chords_across(disc, start + 0.5 * (at + next) * direction, at);
             for (var node = 0u; node < NODES; node++) {
-                let place = start + mix(at, next, node_place(node)) * direction;
-                let blur = 4e-7 * (length(place - tile.eye) + length(tile.eye));
-                let seen = disc_seen(disc, place, disc_turn(best), blur);
-                shares.at[node] = seen.xyz - seen.w;
+                let p = start + mix(at, next, NODE_PLACES[node]) * direction;
+                let seen = disc_seen(disc, p, turn, 4e-7 * (length(p - tile.eye) + length(tile.eye)));
+                shares.red[node] = seen.x;
+                shares.green[node] = seen.y;
+                shares.blue[node] = seen.z;
             }
-            sum += soften_run(disc, origin, start, direction, span.sources, vec2f(at, next), shares);
+            is_open = any(shares.red + shares.green + shares.blue > vec4f(0.0));
+        }
+        if is_open {
+            sum += soft_run(disc, origin, direction, span.sources, vec2f(at, next), shares);
         }
         at = next;
+    }
+    if begun >= 0.0 && at > begun {
+        // Out of turns: the rest is left to a point.
+        if knobs.replaces == 0u {
+            sum -= middle_run(disc, origin, direction, span.sources, vec2f(begun, at));
+        } else {
+            penumbrae[PENUMBRA_SIZE * i + 1u + found] = vec2f(begun, at);
+        }
+        found += 1u;
+    }
+    if knobs.replaces == 1u {
+        penumbrae[PENUMBRA_SIZE * i] = vec2f(f32(found), 0.0);
     }
     inscatter_sun[i] = vec4f(max(inscatter_sun[i].xyz + sum, vec3f(0.0)), 0.0);
 }

@@ -113,6 +113,8 @@ fn disc_bits(disc: Disc, run: vec2f, shift: f32) -> u32 {
 struct Walk {
     at: u32,
     end: u32,
+    // Steps so far.
+    steps: u32,
 }
 
 // The next caster whose box a cone from `start` meets; NO_CASTER behind the last.
@@ -121,6 +123,7 @@ fn disc_next(disc: Disc, walk: ptr<function, Walk>, start: vec3f, own: u32) -> u
     let per_metre = 1.0 / select(disc.z, tiny, abs(disc.z) < vec3f(1e-18));
     while (*walk).at < (*walk).end {
         let i = (*walk).at;
+        (*walk).steps += 1u;
         let low = tree_texel(2u * i);
         let high = tree_texel(2u * i + 1u);
         let least = bitcast<vec3f>(low.xyz) - start;

@@ -137,7 +137,7 @@ fn disc_through(disc: Disc, p: vec3f, own: u32, facet: vec3f, normal: vec3f) -> 
         across[k] = 1.0;
     }
     var any = false;
-    var walk = Walk(1u, tree_texel(0u).x);
+    var walk = Walk(1u, tree_texel(0u).x, 0u);
     var triangle = disc_next(disc, &walk, start, own);
     while triangle != NO_CASTER {
         let outline = disc_outline(disc, triangle, start, blur);

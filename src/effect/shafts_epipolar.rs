@@ -19,7 +19,7 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::soft_edges::SOFTEN;
+use super::soft_edges::SOFTEN_AFTER;
 use super::{
     Effect, Extent, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, rows,
 };
@@ -80,7 +80,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
         pass("refine_4", Over::Groups(|extent| groups(extent, 4))),
         pass("refine_2", Over::Groups(|extent| groups(extent, 2))),
         pass("unwarp", Over::Pixels),
-        SOFTEN,
+        SOFTEN_AFTER,
     ],
     ..Effect::NOTHING
 };

@@ -7,7 +7,7 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::soft_edges::SOFTEN;
+use super::soft_edges::{self, PENUMBRAE, SOFTEN};
 use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When};
 
 /// Marching.
@@ -43,6 +43,7 @@ pub const SHAFTS_MARCH: Effect = Effect {
     reference: shafts::reference,
     note: shafts::note,
     passes: &[
+        SOFTEN,
         Pass {
             shader: include_str!("../../shaders/shafts_march.wgsl"),
             entry: "march",
@@ -51,16 +52,20 @@ pub const SHAFTS_MARCH: Effect = Effect {
             uses: &[
                 Resource::Read(Field::Surface),
                 Resource::Update(Field::InscatterSun),
-                Resource::Knobs(|_, settings| {
+                Resource::Use(&PENUMBRAE),
+                Resource::Knobs(|conditions, settings| {
                     vec![
                         ("steps", Number::Count(settings.get("steps") as u32)),
                         ("jitter", Number::float(settings.get("jitter"))),
                         ("halvings", Number::Count(settings.get("halvings") as u32)),
+                        (
+                            "soft",
+                            Number::Count(soft_edges::is_soft(conditions, settings).into()),
+                        ),
                     ]
                 }),
             ],
         },
-        SOFTEN,
     ],
     ..Effect::NOTHING
 };

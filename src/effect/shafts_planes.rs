@@ -25,7 +25,7 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::soft_edges::SOFTEN;
+use super::soft_edges::SOFTEN_AFTER;
 use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When};
 use crate::conditions::Input;
 
@@ -67,7 +67,7 @@ pub const SHAFTS_PLANES: Effect = Effect {
             USES,
         ),
         pass("integrate", Over::Pixels, SUMS),
-        SOFTEN,
+        SOFTEN_AFTER,
     ],
     ..Effect::NOTHING
 };

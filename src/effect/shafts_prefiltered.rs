@@ -14,7 +14,7 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::soft_edges::SOFTEN;
+use super::soft_edges::SOFTEN_AFTER;
 use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, When, rows};
 
 /// Prefix sums of filtered rows.
@@ -61,7 +61,7 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
             Over::Groups(|extent| [rows::most_rows(extent.conditions, &extent.settings), 1]),
         ),
         pass("look_up", Over::Pixels),
-        SOFTEN,
+        SOFTEN_AFTER,
     ],
     ..Effect::NOTHING
 };

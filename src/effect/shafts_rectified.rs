@@ -12,7 +12,7 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::soft_edges::SOFTEN;
+use super::soft_edges::{self, PENUMBRAE, SOFTEN};
 use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows};
 
 /// The main method.
@@ -42,6 +42,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
         rows::BEGIN,
         rows::MEASURE,
         rows::BUILD,
+        SOFTEN,
         Pass {
             shader: concat!(
                 include_str!("../../shaders/shafts_rectified.wgsl"),
@@ -57,15 +58,19 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
                     knobs.extend([
                         ("blend", Number::count(settings.get("blend"))),
                         ("halvings", Number::Count(settings.get("halvings") as u32)),
+                        (
+                            "soft",
+                            Number::Count(soft_edges::is_soft(conditions, settings).into()),
+                        ),
                     ]);
                     knobs
                 }),
                 Resource::Update(Field::InscatterSun),
                 Resource::Make(&rows::ASKED),
                 Resource::Make(&rows::TREE),
+                Resource::Use(&PENUMBRAE),
             ],
         },
-        SOFTEN,
     ],
     ..Effect::NOTHING
 };
