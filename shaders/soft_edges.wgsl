@@ -20,7 +20,7 @@ var<private> turns: u32;
 var<private> passings: array<f32, MOST_RAMPS>;
 var<private> passing_count: u32;
 // Of four chords of the disc each: places across, half their lengths [radii], and how their bits are shifted; each one's share of the
-// light a bit.
+// light.
 var<private> chords: array<array<vec4f, 3>, CHORDS / 4u>;
 var<private> chord_light: array<vec3f, CHORDS>;
 var<private> chords_known: bool;
@@ -322,7 +322,7 @@ fn know_chords(disc: Disc) {
         whole += chord_light[j];
     }
     for (var j = 0u; j < CHORDS; j++) {
-        chord_light[j] /= 32.0 * whole;
+        chord_light[j] /= whole;
     }
     turns += 2u * CHORDS;
 }
@@ -342,20 +342,70 @@ fn cut_chords(cuts: Cuts, line: vec3f, turn: vec2f, offsets: vec4f) -> Cuts {
     return Cuts(first, select(last, vec4f(-2.0), vec4<bool>(slope == 0.0) & (middle < vec4f(0.0))));
 }
 
-// How many of 32 bits lie before places of four chords, -1 to 1, as `disc_bits` counts them.
-fn bits_before(disc: Disc, places: vec4f, shifts: vec4f) -> vec4u {
+// The share of four chords' light before places of them, -1 to 1, as `disc_before`.
+fn light_before(disc: Disc, places: vec4f) -> vec4f {
     let v = clamp(places, vec4f(-1.0), vec4f(1.0));
-    var before = 0.5 + 0.5 * v;
-    if disc.limb.y != 0.0 {
-        before = 0.5 + 0.57207 * v * (1.0 - v * v * (0.083333 + v * v * (0.01875 + v * v * 0.023897)));
+    if disc.limb.y == 0.0 {
+        return 0.5 + 0.5 * v;
     }
-    let count = vec4u(clamp(ceil(32.0 * before - shifts), vec4f(0.0), vec4f(32.0)));
-    return select((vec4u(1u) << min(count, vec4u(31u))) - vec4u(1u), vec4u(0xffffffffu), count == vec4u(32u));
+    return 0.5 + 0.57207 * v * (1.0 - v * v * (0.083333 + v * v * (0.01875 + v * v * 0.023897)));
+}
+
+// Those of 32 bits of four chords that lie between two shares of their light.
+fn bits_between(first: vec4f, last: vec4f, shifts: vec4f) -> vec4u {
+    let a = vec4u(clamp(ceil(32.0 * first - shifts), vec4f(0.0), vec4f(32.0)));
+    let b = vec4u(clamp(ceil(32.0 * last - shifts), vec4f(0.0), vec4f(32.0)));
+    let below_a = select((vec4u(1u) << min(a, vec4u(31u))) - vec4u(1u), vec4u(0xffffffffu), a == vec4u(32u));
+    let below_b = select((vec4u(1u) << min(b, vec4u(31u))) - vec4u(1u), vec4u(0xffffffffu), b == vec4u(32u));
+    return below_b & ~below_a;
+}
+
+// What is left of four chords: all between `first` and `last` but for one part, and for bits.
+struct Left {
+    first: vec4f,
+    last: vec4f,
+    // Its end lies before its beginning where there is none yet.
+    part_first: vec4f,
+    part_last: vec4f,
+    bits: vec4u,
+}
+
+// Keeps the light of a part off each of four chords: exactly, unless it is the second one that touches neither an end nor the first.
+fn keep_off(disc: Disc, left: Left, cuts: Cuts, halves: vec4f, shifts: vec4f) -> Left {
+    let near = vec4f(1e-5);
+    let is_there = cuts.last > cuts.first;
+    let at_first = is_there & (cuts.first <= left.first + near);
+    let at_last = is_there & (cuts.last >= left.last - near);
+    var now = left;
+    now.first = select(now.first, max(now.first, cuts.last), at_first);
+    now.last = select(now.last, min(now.last, cuts.first), at_last);
+    let within = is_there & !at_first & !at_last;
+    let is_new = left.part_first > left.part_last;
+    let joins = within & (is_new | ((cuts.first <= left.part_last + near) & (cuts.last >= left.part_first - near)));
+    now.part_first = select(now.part_first, min(now.part_first, cuts.first), joins);
+    now.part_last = select(now.part_last, max(now.part_last, cuts.last), joins);
+    let lone = within & !joins;
+    if any(lone) {
+        let bits = bits_between(light_before(disc, cuts.first / halves), light_before(disc, cuts.last / halves), shifts);
+        now.bits |= select(vec4u(0u), bits, lone);
+    }
+    // The part may have come to lie at an end.
+    let has_part = now.part_last >= now.part_first;
+    let to_first = has_part & (now.part_first <= now.first + near);
+    let to_last = has_part & (now.part_last >= now.last - near);
+    now.first = select(now.first, max(now.first, now.part_last), to_first);
+    now.last = select(now.last, min(now.last, now.part_first), to_last);
+    now.part_first = select(now.part_first, vec4f(2.0), to_first | to_last);
+    now.part_last = select(now.part_last, vec4f(-2.0), to_first | to_last);
+    return now;
 }
 
 // The share of the disc's light that casters without holes leave to a place.
 fn disc_seen(disc: Disc, start: vec3f, turn: vec2f, blur: f32) -> vec3f {
-    var dark: array<vec4u, CHORDS / 4u>;
+    var left: array<Left, CHORDS / 4u>;
+    for (var j = 0u; j < CHORDS / 4u; j++) {
+        left[j] = Left(-chords[j][1], chords[j][1], vec4f(2.0), vec4f(-2.0), vec4u(0u));
+    }
     var walk = Walk(1u, tree_texel(0u).x, 0u);
     while turns + walk.steps < MOST_TURNS {
         let triangle = disc_next(disc, &walk, start, NO_CASTER);
@@ -367,31 +417,46 @@ fn disc_seen(disc: Disc, start: vec3f, turn: vec2f, blur: f32) -> vec3f {
         }
         let outline = disc_outline(disc, triangle, start, blur);
         let meets = disc_meets(outline);
-        if meets == MEETS_ALL {
-            turns += walk.steps;
-            return vec3f(0.0);
-        }
+        var is_dark = meets == MEETS_ALL;
         if meets == MEETS_PART {
+            is_dark = true;
             for (var j = 0u; j < CHORDS / 4u; j++) {
                 let chord = chords[j];
                 var cuts = Cuts(-chord[1], chord[1]);
                 cuts = cut_chords(cuts, outline.a, turn, chord[0]);
                 cuts = cut_chords(cuts, outline.b, turn, chord[0]);
                 cuts = cut_chords(cuts, outline.c, turn, chord[0]);
-                dark[j] |= bits_before(disc, cuts.last / chord[1], chord[2]) & ~bits_before(disc, cuts.first / chord[1], chord[2]);
+                left[j] = keep_off(disc, left[j], cuts, chord[1], chord[2]);
+                is_dark = is_dark && all(left[j].last <= left[j].first);
             }
             turns += CHORDS / 4u;
+        }
+        if is_dark {
+            turns += walk.steps;
+            return vec3f(0.0);
         }
         turns += 1u;
     }
     var sum = vec3f(0.0);
     for (var j = 0u; j < CHORDS / 4u; j++) {
-        let lit = vec4f(countOneBits(~dark[j]));
+        let halves = chords[j][1];
+        let shifts = chords[j][2];
+        let own = left[j];
+        let first = light_before(disc, own.first / halves);
+        let last = max(light_before(disc, own.last / halves), first);
+        let part_first = light_before(disc, own.part_first / halves);
+        let part_last = max(light_before(disc, own.part_last / halves), part_first);
+        var lit = last - first - (min(part_last, last) - clamp(part_first, first, last));
+        if any(own.bits != vec4u(0u)) {
+            let bits = own.bits & bits_between(first, last, shifts) & ~bits_between(part_first, part_last, shifts);
+            lit -= vec4f(countOneBits(bits)) / 32.0;
+        }
+        lit = max(lit, vec4f(0.0));
         for (var k = 0u; k < 4u; k++) {
             sum += lit[k] * chord_light[4u * j + k];
         }
     }
-    turns += walk.steps + CHORDS + CHORDS / 4u;
+    turns += walk.steps + CHORDS + CHORDS / 2u;
     return sum;
 }
 
