@@ -1,10 +1,13 @@
 // The soft edges that the sun's disc makes of a point's shadows in the air: see src/effect/soft_edges.rs.
 
-// A part of the ray from which an edge is seen to cross the disc.
+// A part of the ray from which an edge is seen to cross the disc. They stand in `penumbrae`, behind their number: some drivers are
+// slow at arrays of an invocation's own.
 struct Ramp {
     run: vec2f,
     // The edge's number. MIXED is added where it may not hide all that lies on its side of it; TOGETHER stands for several.
     edge: u32,
+    // Where the edge passes over the disc's middle; FARTHEST where it does not.
+    middle: f32,
 }
 
 const MIXED = 0x80000000u;
@@ -13,12 +16,9 @@ const TOGETHER = 0xffffffffu;
 const MOST_TURNS = 30000u;
 const NODES = 4u;
 
-var<private> ramps: array<Ramp, MOST_RAMPS>;
+var<private> first_ramp: u32;
 var<private> ramp_count: u32;
 var<private> turns: u32;
-// Where edges pass over the disc's middle, in order.
-var<private> passings: array<f32, MOST_RAMPS>;
-var<private> passing_count: u32;
 // Of four chords of the disc each: places across, half their lengths [radii], and how their bits are shifted; each one's share of the
 // light.
 var<private> chords: array<array<vec4f, 3>, CHORDS / 4u>;
@@ -63,50 +63,44 @@ fn depth_behind(disc: Disc, edge: Edge, start: vec3f) -> f32 {
     return line.z / max(length(line.xy), 1e-30);
 }
 
+fn ramp_run(k: u32) -> vec2f {
+    return penumbrae[first_ramp + k].xy;
+}
+
+fn ramp_edge(k: u32) -> u32 {
+    return bitcast<u32>(penumbrae[first_ramp + k].z);
+}
+
 // Adds a ramp in the order of where they begin; where there is no room, the two that lie closest together become one.
 fn add_ramp(ramp: Ramp) {
-    if ramp.run.y <= ramp.run.x {
-        return;
-    }
     if ramp_count == MOST_RAMPS {
         var at = 0u;
         var least = FARTHEST;
         for (var k = 0u; k + 1u < MOST_RAMPS; k++) {
-            let gap = ramps[k + 1u].run.x - ramps[k].run.y;
+            let gap = ramp_run(k + 1u).x - ramp_run(k).y;
             at = select(at, k, gap < least);
             least = min(least, gap);
         }
-        ramps[at].run.y = max(ramps[at].run.y, ramps[at + 1u].run.y);
-        ramps[at].edge = TOGETHER;
+        let run = vec2f(ramp_run(at).x, max(ramp_run(at).y, ramp_run(at + 1u).y));
+        penumbrae[first_ramp + at] = vec4f(run, bitcast<f32>(TOGETHER), FARTHEST);
         for (var k = at + 1u; k + 1u < MOST_RAMPS; k++) {
-            ramps[k] = ramps[k + 1u];
+            penumbrae[first_ramp + k] = penumbrae[first_ramp + k + 1u];
         }
         ramp_count -= 1u;
         turns += 2u * MOST_RAMPS;
     }
     var at = ramp_count;
-    while at > 0u && ramps[at - 1u].run.x > ramp.run.x {
-        ramps[at] = ramps[at - 1u];
+    while at > 0u {
+        let before = penumbrae[first_ramp + at - 1u];
+        if before.x <= ramp.run.x {
+            break;
+        }
+        penumbrae[first_ramp + at] = before;
         at -= 1u;
         turns += 1u;
     }
-    ramps[at] = ramp;
+    penumbrae[first_ramp + at] = vec4f(ramp.run, bitcast<f32>(ramp.edge), ramp.middle);
     ramp_count += 1u;
-}
-
-// Takes in where an edge passes over the disc's middle, as long as there is room.
-fn add_passing(t: f32) {
-    if passing_count == MOST_RAMPS {
-        return;
-    }
-    var at = passing_count;
-    while at > 0u && passings[at - 1u] > t {
-        passings[at] = passings[at - 1u];
-        at -= 1u;
-        turns += 1u;
-    }
-    passings[at] = t;
-    passing_count += 1u;
 }
 
 // p / q, far away where q is nearly nothing.
@@ -120,7 +114,7 @@ struct Touch {
     a: f32,
     c: f32,
     square: f32,
-    // In order.
+    // In order; far away where there are none.
     roots: vec2f,
 }
 
@@ -133,7 +127,8 @@ fn touches(line: vec3f, change: vec3f) -> Touch {
     let q = -(b + select(sqrt(max(square, 0.0)), -sqrt(max(square, 0.0)), b < 0.0));
     let one = far_ratio(q, a);
     let other = far_ratio(c, q);
-    return Touch(a, c, square, vec2f(min(one, other), max(one, other)));
+    let roots = vec2f(min(one, other), max(one, other));
+    return Touch(a, c, square, select(vec2f(FARTHEST), roots, square > 0.0));
 }
 
 // What lies between a ray and the disc: n across their plane, m toward the disc, r along the ray.
@@ -219,6 +214,11 @@ fn edge_reach(wedge: Wedge, a: vec3f, b: vec3f, air: vec2f) -> vec2f {
     return vec2f(max(run.x - more, air.x), min(run.y + more, air.y));
 }
 
+// A direction, or a place, as a point of the disc's plane: in the disc where z^2 > x^2 + y^2.
+fn on_disc(disc: Disc, p: vec3f) -> vec3f {
+    return vec3f(dot(p, disc.x), dot(p, disc.y), disc.tangent * dot(p, disc.z));
+}
+
 // Takes in from where on the ray an edge is seen to cross the disc.
 //
 // Places (t, s) of ray and edge that see each other within the disc are those of a conic section. It is an ellipse unless the disc
@@ -227,59 +227,77 @@ fn take_edge(disc: Disc, wedge: Wedge, number: u32, start: vec3f, direction: vec
     let edge = edge_of(number);
     let q = edge.point - start;
     let reach = edge_reach(wedge, q + edge.reach.x * edge.direction, q + edge.reach.y * edge.direction, air);
-    if reach.y <= reach.x {
-        return;
-    }
     let change = disc_line(disc, -cross(direction, edge.direction));
     // Counted from where the edge passes the middle, as far as the ray goes there: few digits are lost.
     let passes = far_ratio(-disc_line(disc, cross(q, edge.direction)).z, change.z);
-    let base = clamp(passes, reach.x, reach.y);
+    let base = clamp(passes, reach.x, max(reach.y, reach.x));
     let there = touches(disc_line(disc, cross(q - base * direction, edge.direction)), change);
-    if knobs.replaces == 0u && passes > reach.x && passes < reach.y {
-        add_passing(passes);
-    }
+    // Where its line crosses the disc: between the roots, or before and behind them.
+    let roots = base + there.roots;
+    var runs = array<vec2f, 2>(vec2f(max(reach.x, roots.x), min(reach.y, roots.y)), vec2f(0.0));
     if there.square <= 0.0 {
-        if there.c < 0.0 {
-            add_ramp(Ramp(reach, number | MIXED));
+        runs[0] = select(vec2f(0.0), reach, there.c < 0.0);
+    } else if there.a < 0.0 {
+        runs[0] = vec2f(reach.x, min(reach.y, roots.x));
+        runs[1] = vec2f(max(reach.x, roots.y), reach.y);
+    }
+    if reach.y <= reach.x {
+        return;
+    }
+    let along = -on_disc(disc, direction);
+    let onward = on_disc(disc, edge.direction);
+    let middle = on_disc(disc, q);
+    // Where its ends come into the disc and leave it.
+    let one = touches(middle + edge.reach.x * onward + base * along, along).roots + base;
+    let other = touches(middle + edge.reach.y * onward + base * along, along).roots + base;
+    for (var k = 0u; k < 10u; k++) {
+        let run = runs[k / 5u];
+        let places = clamp(vec4f(one, other), vec4f(run.x), vec4f(run.y));
+        let low = vec2f(min(places.x, places.z), max(places.x, places.z));
+        let high = vec2f(min(places.y, places.w), max(places.y, places.w));
+        let between = vec2f(min(low.y, high.x), max(low.y, high.x));
+        var ends = array<f32, 6>(run.x, low.x, between.x, between.y, high.y, run.y);
+        let part = vec2f(ends[k % 5u], ends[k % 5u + 1u]);
+        // The part of the edge's line that is seen on the disc from there.
+        let p = middle + 0.5 * (part.x + part.y) * along;
+        let seen = touches(p, onward);
+        let is_mixed = seen.a >= 0.0;
+        let is_before = p.z + 0.5 * (seen.roots.x + seen.roots.y) * onward.z > 0.0;
+        let is_seen = seen.square > 0.0 && is_before && seen.roots.y >= edge.reach.x && seen.roots.x <= edge.reach.y;
+        let is_whole = seen.roots.x >= edge.reach.x && seen.roots.y <= edge.reach.y;
+        if part.y > part.x && (is_mixed || is_seen) {
+            add_ramp(Ramp(part, select(number | MIXED, number, is_whole && !is_mixed), passes));
         }
-        return;
+        turns += 1u;
     }
-    let run = vec2f(max(reach.x, base + there.roots.x), min(reach.y, base + there.roots.y));
-    if there.a < 0.0 {
-        add_ramp(Ramp(vec2f(reach.x, min(reach.y, base + there.roots.x)), number | MIXED));
-        add_ramp(Ramp(vec2f(max(reach.x, base + there.roots.y), reach.y), number | MIXED));
-        return;
+}
+
+// The next edge whose box the wedge meets, and one more than its number; 0 behind the last.
+fn next_end(walk: ptr<function, Walk>, wedge: Wedge, disc: Disc, start: vec3f, air: vec2f) -> u32 {
+    while (*walk).at < (*walk).end {
+        (*walk).steps += 1u;
+        let low = end_texel(2u * (*walk).at);
+        let high = end_texel(2u * (*walk).at + 1u);
+        let met = wedge_meets(wedge, disc, start, air, bitcast<vec3f>(low.xyz), bitcast<vec3f>(high.xyz));
+        (*walk).at = select(low.w, (*walk).at + 1u, met);
+        if met && high.w != 0u {
+            return high.w;
+        }
     }
-    if run.y <= run.x {
-        return;
-    }
-    // The same of the ray as seen from the edge.
-    let onward = disc_line(disc, cross(edge.direction, direction));
-    let foot = clamp(far_ratio(-disc_line(disc, cross(q, direction)).z, onward.z), edge.reach.x, edge.reach.y);
-    let seen = touches(disc_line(disc, cross(q + foot * edge.direction, direction)), onward);
-    let part = foot + seen.roots;
-    let middle = q + 0.5 * (part.x + part.y) * edge.direction - (base + 0.5 * (there.roots.x + there.roots.y)) * direction;
-    if seen.square <= 0.0 || part.y < edge.reach.x || part.x > edge.reach.y || dot(middle, disc.z) <= 0.0 {
-        return;
-    }
-    let is_whole = part.x >= edge.reach.x && part.y <= edge.reach.y;
-    add_ramp(Ramp(run, select(number | MIXED, number, is_whole)));
+    return 0u;
 }
 
 fn find_ramps(disc: Disc, start: vec3f, direction: vec3f, air: vec2f) {
     let wedge = wedge_of(disc, start, direction, air);
-    let end = end_texel(0u).x;
-    var i = 1u;
-    while i < end && turns < MOST_TURNS {
-        turns += 1u;
-        let low = end_texel(2u * i);
-        let high = end_texel(2u * i + 1u);
-        let met = wedge_meets(wedge, disc, start, air, bitcast<vec3f>(low.xyz), bitcast<vec3f>(high.xyz));
-        i = select(low.w, i + 1u, met);
-        if met && high.w != 0u {
-            take_edge(disc, wedge, high.w - 1u, start, direction, air);
+    var walk = Walk(1u, end_texel(0u).x, 0u);
+    while turns + walk.steps < MOST_TURNS {
+        let number = next_end(&walk, wedge, disc, start, air);
+        if number == 0u {
+            break;
         }
+        take_edge(disc, wedge, number - 1u, start, direction, air);
     }
+    turns += walk.steps;
 }
 
 // Whether a caster without holes hides a point of the disc from a place.
@@ -540,8 +558,9 @@ fn chords_across(disc: Disc, p: vec3f, at: f32) -> vec2f {
         across[k] = 1.0;
     }
     for (var k = 0u; k < ramp_count; k++) {
-        if ramps[k].run.x <= at && ramps[k].run.y > at && ramps[k].edge != TOGETHER {
-            let line = edge_line(disc, edge_of(ramps[k].edge), p);
+        let run = ramp_run(k);
+        if run.x <= at && run.y > at && ramp_edge(k) != TOGETHER {
+            let line = edge_line(disc, edge_of(ramp_edge(k)), p);
             let size = max(length(line.xy), 1e-30);
             for (var j = 0u; j < TURNS; j++) {
                 let turn = disc_turn(j);
@@ -566,15 +585,20 @@ fn middle_run(disc: Disc, origin: vec3f, direction: vec3f, sources: u32, run: ve
     all.blue = vec4f(1.0);
     var sum = vec3f(0.0);
     var at = run.x;
-    for (var k = 0u; k <= passing_count; k++) {
-        let end = clamp(select(run.y, passings[min(k, MOST_RAMPS - 1u)], k < passing_count), at, run.y);
+    while at < run.y && turns < 2u * MOST_TURNS {
+        // Up to where the next edge passes the middle.
+        var end = run.y;
+        for (var k = 0u; k < ramp_count; k++) {
+            let passes = penumbrae[first_ramp + k].w;
+            end = select(end, min(end, passes), passes > at);
+        }
         let p = origin + tile.eye + 0.5 * (at + end) * direction;
-        if end > at && !is_hidden(disc, p, vec2f(0.0), 4e-7 * (length(p - tile.eye) + length(tile.eye))) {
+        if !is_hidden(disc, p, vec2f(0.0), 4e-7 * (length(p - tile.eye) + length(tile.eye))) {
             sum += soft_run(disc, origin, direction, sources, vec2f(at, end), all);
         }
+        turns += ramp_count + 1u;
         at = end;
     }
-    turns += passing_count;
     return sum;
 }
 
@@ -589,6 +613,7 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
     let span = shaded_span(origin, direction, surfaces[i]);
     let disc = disc_of(beam.toward, beam.extent, vec3f(knobs.limb_red, knobs.limb_green, knobs.limb_blue));
     let start = origin + tile.eye;
+    first_ramp = PENUMBRA_SIZE * i + 1u;
     ramp_count = 0u;
     if span.air.y > span.air.x {
         find_ramps(disc, start, direction, span.air);
@@ -596,7 +621,7 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
     var sum = vec3f(0.0);
     var found = 0u;
     var begun = -1.0;
-    var at = select(0.0, ramps[0].run.x, ramp_count > 0u);
+    var at = select(0.0, ramp_run(0u).x, ramp_count > 0u);
     while turns < MOST_TURNS {
         // What crosses the disc there, and where that changes.
         var next = 2.0 * FARTHEST;
@@ -605,7 +630,7 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
         var count = 0u;
         var only = 0u;
         for (var k = 0u; k < ramp_count; k++) {
-            let run = ramps[k].run;
+            let run = ramp_run(k);
             let present = run.x <= at && run.y > at;
             count += u32(present);
             only = select(only, k, present);
@@ -620,7 +645,8 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
             if knobs.replaces == 0u {
                 sum -= middle_run(disc, origin, direction, span.sources, vec2f(begun, at));
             } else {
-                penumbrae[PENUMBRA_SIZE * i + 1u + found] = vec2f(begun, at);
+                // In place of a ramp that has ended.
+                penumbrae[first_ramp + found] = vec4f(begun, at, 0.0, 0.0);
             }
             found += 1u;
             begun = -1.0;
@@ -634,17 +660,17 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
         }
         begun = select(begun, at, begun < 0.0);
         var shares: Shares;
-        shares.by_edge = count == 1u && (ramps[only].edge & MIXED) == 0u;
+        shares.by_edge = count == 1u && (ramp_edge(only) & MIXED) == 0u;
         var is_open = true;
         if shares.by_edge {
-            shares.edge = edge_of(ramps[only].edge);
+            shares.edge = edge_of(ramp_edge(only));
             is_open = edge_is_open(disc, start, direction, vec2f(at, next), shares.edge);
         } else {
             // Much shorter parts than the shortest ramp tell no more.
             let enough = at + 0.125 * shortest;
             next = last;
             for (var k = 0u; k < ramp_count; k++) {
-                let run = ramps[k].run;
+                let run = ramp_run(k);
                 next = select(next, min(next, run.x), run.x > enough);
                 next = select(next, min(next, run.y), run.y > enough);
             }
@@ -670,12 +696,12 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
         if knobs.replaces == 0u {
             sum -= middle_run(disc, origin, direction, span.sources, vec2f(begun, at));
         } else {
-            penumbrae[PENUMBRA_SIZE * i + 1u + found] = vec2f(begun, at);
+            penumbrae[first_ramp + found] = vec4f(begun, at, 0.0, 0.0);
         }
         found += 1u;
     }
     if knobs.replaces == 1u {
-        penumbrae[PENUMBRA_SIZE * i] = vec2f(f32(found), 0.0);
+        penumbrae[PENUMBRA_SIZE * i] = vec4f(f32(found), 0.0, 0.0, 0.0);
     }
     inscatter_sun[i] = vec4f(max(inscatter_sun[i].xyz + sum, vec3f(0.0)), 0.0);
 }

@@ -25,22 +25,16 @@ pub const PENUMBRA_NUMBERS: u32 = 25;
 /// The parts of each pixel's ray that lie in penumbrae: how many, and where they begin and end [m].
 pub const PENUMBRAE: Product = Product {
     name: "penumbrae",
-    wgsl: "array<vec2f>",
+    wgsl: "array<vec4f>",
     bytes: |extent| {
         let pixels = match is_soft(extent.conditions, &extent.settings) {
             true => extent.pixels,
             false => 1,
         };
-        8 * u64::from(PENUMBRA_NUMBERS) * pixels
+        16 * u64::from(PENUMBRA_NUMBERS) * pixels
     },
     reads: rows::MADE_OF,
     zeroed: false,
-};
-
-/// In place of [`PENUMBRAE`] where nobody asks for it.
-const NO_PENUMBRAE: Product = Product {
-    bytes: |_: &Extent<'_>| 8 * PENUMBRA_NUMBERS as u64,
-    ..PENUMBRAE
 };
 
 /// Whether [`SOFTEN`] runs.
@@ -69,7 +63,7 @@ pub const SOFTEN_AFTER: Pass = Pass {
         Resource::Read(Field::Surface),
         Resource::Update(Field::InscatterSun),
         Resource::Knobs(|conditions, _| knobs(conditions, false)),
-        Resource::Make(&NO_PENUMBRAE),
+        Resource::Make(&PENUMBRAE),
         Resource::CasterTree,
         Resource::Ends,
         Resource::Facets,
