@@ -7,7 +7,6 @@ use common::shafts::by_reference;
 use common::soft::*;
 use common::views::*;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
 use tyndall::backend::Limits;
 use tyndall::backend::reference::Reference;
 use tyndall::conditions::Conditions;
@@ -47,12 +46,6 @@ fn edges_in_the_air_are_those_of_thousands_of_points() {
     }
 }
 
-/// The share of a uniform disc on one side of a chord at x radii from its middle.
-fn share(x: f64) -> f64 {
-    let x = x.clamp(-1.0, 1.0);
-    0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / PI
-}
-
 #[test]
 fn a_far_slit_has_the_profile_of_a_uniform_disc() {
     let view = far_slit();
@@ -81,16 +74,7 @@ fn a_far_slit_has_the_profile_of_a_uniform_disc() {
                     .view
                     .camera
                     .ray(DVec2::new(4.5, f64::from(y) + 0.5), size);
-                let steps = 200;
-                let shares = (0..steps).map(|i| {
-                    // Fog of no weight fills heights of -10 to 10 m; rays run down from 60 m.
-                    let height = 10.0 - 20.0 * (f64::from(i) + 0.5) / f64::from(steps);
-                    let place = ray.at((height - ray.origin.y) / ray.direction.y);
-                    let throw = (500.0 - place.x) / 5f64.to_radians().cos();
-                    let radius = throw * (0.5 * DIAMETER).to_radians().tan();
-                    share((place.z + 1.5) / radius) + share((1.5 - place.z) / radius) - 1.0
-                });
-                shares.sum::<f64>() / f64::from(steps)
+                slit_share(&ray)
             })
             .collect();
         off(&found, &expected)

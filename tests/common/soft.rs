@@ -3,9 +3,9 @@
 
 use super::views::*;
 use glam::DVec3;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use tyndall::medium::{Phase, Shape};
-use tyndall::scene::Camera;
+use tyndall::scene::{Camera, Ray};
 
 /// As many points as are held to be the truth.
 pub const MANY: f64 = 2048.0;
@@ -168,4 +168,24 @@ pub fn off(found: &[f64], truth: &[f64]) -> [f64; 2] {
         (square / found.len() as f64).sqrt(),
         off().fold(0.0, f64::max),
     ]
+}
+
+/// The share of a uniform disc on one side of a chord at x radii from its middle.
+fn share(x: f64) -> f64 {
+    let x = x.clamp(-1.0, 1.0);
+    0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / PI
+}
+
+/// The mean share of the disc's light on a ray down through the fog behind the far slit.
+pub fn slit_share(ray: &Ray) -> f64 {
+    let steps = 200;
+    let shares = (0..steps).map(|i| {
+        // Fog of no weight fills heights of -10 to 10 m; rays run down from 60 m.
+        let height = 10.0 - 20.0 * (f64::from(i) + 0.5) / f64::from(steps);
+        let place = ray.at((height - ray.origin.y) / ray.direction.y);
+        let throw = (500.0 - place.x) / 5f64.to_radians().cos();
+        let radius = throw * (0.5 * DIAMETER).to_radians().tan();
+        share((place.z + 1.5) / radius) + share((1.5 - place.z) / radius) - 1.0
+    });
+    shares.sum::<f64>() / f64::from(steps)
 }

@@ -160,11 +160,6 @@ pub fn shader_text(
         }
         text += &format!("@group(1) @binding({binding}) var{space} {name}: {kind};\n");
     }
-    if pass.entry == "soften"
-        && let Ok(path) = std::env::var("DEBUG_SHADER")
-    {
-        return text + &std::fs::read_to_string(path).unwrap_or_default();
-    }
     text + pass.shader
 }
 
