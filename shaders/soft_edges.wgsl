@@ -434,27 +434,10 @@ fn disc_seen(disc: Disc, start: vec3f, turn: vec2f, blur: f32) -> vec3f {
         left[j] = Left(-chords[j][1], chords[j][1], vec4f(2.0), vec4f(-2.0), vec4u(0u));
     }
     var walk = Walk(1u, tree_texel(0u).x, 0u);
-    var again = true;
     while turns + walk.steps < MOST_TURNS {
         let triangle = disc_next(disc, &walk, start, NO_CASTER);
         if triangle == NO_CASTER {
-            var has_bits = false;
-            for (var j = 0u; j < CHORDS / 4u; j++) {
-                has_bits = has_bits || any(left[j].bits != vec4u(0u));
-            }
-            if !has_bits || !again {
-                break;
-            }
-            // Once more: what had to be counted in bits may touch by now what is hidden at the ends.
-            again = false;
-            walk.at = 1u;
-            for (var j = 0u; j < CHORDS / 4u; j++) {
-                left[j].part_first = vec4f(2.0);
-                left[j].part_last = vec4f(-2.0);
-                left[j].bits = vec4u(0u);
-            }
-            turns += CHORDS / 2u;
-            continue;
+            break;
         }
         if has_holes(triangle) {
             continue;

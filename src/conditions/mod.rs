@@ -27,8 +27,9 @@ use crate::scene::{Geometry, Scene};
 use crate::sky::Sky;
 use crate::warning::Warning;
 use glam::DVec3;
+use std::any::Any;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Everything that effects need to know, in SI units and scene axes: a scene at a moment, from a view.
 ///
@@ -57,8 +58,8 @@ pub struct Conditions {
     pub warnings: Vec<Warning>,
     /// What was asked for, so that it can be asked of another moment.
     request: Request,
-    /// What was found of the sun's disc in the air.
-    disc: Arc<penumbra::FoundDisc>,
+    /// What was found last of the sun's disc in the air, and of which inputs: see `penumbra`.
+    disc: Arc<Mutex<Option<Arc<dyn Any + Send + Sync>>>>,
 }
 
 /// The endless plane below everything.

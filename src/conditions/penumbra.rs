@@ -8,7 +8,7 @@ use crate::scene::edges::Edges;
 use crate::scene::penumbra::SoftShade;
 use glam::DVec2;
 use std::ops::RangeInclusive;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, PoisonError};
 
 /// Above so many of its radii the sun's disc counts as one direction for what the air takes of its light.
 const LOW: f64 = 8.0;
@@ -41,8 +41,10 @@ pub enum Told {
 }
 
 /// What was found of a disc last, and of which inputs.
-#[derive(Default)]
-pub(super) struct FoundDisc(Mutex<Option<(Snapshot, Arc<DiscInAir>)>>);
+struct Found {
+    made_of: Snapshot,
+    disc: Arc<DiscInAir>,
+}
 
 /// What a disc in the air depends on.
 const INPUTS: &[Input] = &[Input::Geometry, Input::Sun, Input::View, Input::Media];
@@ -51,16 +53,20 @@ impl Conditions {
     /// The sun's disc as the air sees it, found when it is first asked for; `None` where [`Conditions::whole_sun`] is.
     pub fn disc_in_air(&self) -> Option<Arc<DiscInAir>> {
         let beam = self.whole_sun()?;
-        let mut found = self.disc.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((made_of, disc)) = &*found
-            && made_of.still_holds(self, INPUTS)
+        let mut last = self.disc.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = last.as_ref().and_then(|last| last.downcast_ref::<Found>());
+        if let Some(found) = found
+            && found.made_of.still_holds(self, INPUTS)
         {
-            return Some(disc.clone());
+            return Some(found.disc.clone());
         }
         let edges = Edges::new(&self.geometry, self.sun.disc()?);
         let told = self.told(&edges);
         let disc = Arc::new(DiscInAir { edges, beam, told });
-        *found = Some((self.snapshot(INPUTS), disc.clone()));
+        *last = Some(Arc::new(Found {
+            made_of: self.snapshot(INPUTS),
+            disc: disc.clone(),
+        }));
         Some(disc)
     }
 
