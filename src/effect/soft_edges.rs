@@ -16,7 +16,7 @@
 //! the edges that a point gives.
 
 use super::shafts;
-use super::{Extent, Field, Number, Over, Pass, Product, Resource, Settings, When, rows};
+use super::{Field, Number, Over, Pass, Product, Resource, Settings, When, rows};
 use crate::conditions::Conditions;
 
 /// Numbers a pixel: how many parts of its ray lie in penumbrae, and these.
