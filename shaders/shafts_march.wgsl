@@ -31,6 +31,12 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     if span.air.y <= span.air.x {
         return;
     }
+    if knobs.soft == 1u {
+        run_gap_count = u32(penumbrae[PENUMBRA_SIZE * i].x);
+        for (var k = 0u; k < run_gap_count; k++) {
+            run_gaps[k] = penumbrae[PENUMBRA_SIZE * i + 1u + k].xy;
+        }
+    }
     begin_runs(origin, direction, span.air, span.sources);
     let steps = knobs.steps;
     let step = (span.shaded.y - span.shaded.x) / f32(steps);

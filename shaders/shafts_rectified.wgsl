@@ -12,6 +12,12 @@ fn integrate(@builtin(global_invocation_id) id: vec3u) {
     if span.air.y <= span.air.x {
         return;
     }
+    if knobs.soft == 1u {
+        run_gap_count = u32(penumbrae[PENUMBRA_SIZE * i].x);
+        for (var k = 0u; k < run_gap_count; k++) {
+            run_gaps[k] = penumbrae[PENUMBRA_SIZE * i + 1u + k].xy;
+        }
+    }
     let slice = slice_of(origin, direction);
     let rows = rows_of(knobs.rows, knobs.columns);
     let place = (slice.row - rows.first) / rows.step;

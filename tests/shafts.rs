@@ -453,10 +453,11 @@ fn a_far_slit_has_the_edges_of_the_suns_disc() {
     let open = profile(&by_gpu(
         &open.conditions(size).expect("sound"),
         Method::Rectified,
-        &[("shafts.suns", 1.0)],
+        &[("shafts.disc", 0.0), ("shafts.suns", 1.0)],
     ));
     let off = |suns: f64| -> [f64; 2] {
         let set = [
+            ("shafts.disc", 0.0),
             ("shafts.suns", suns),
             ("shadow.resolution", 2048.0),
             ("shadow.density", 1024.0),

@@ -22,14 +22,17 @@ fn plan<'c>(conditions: &'c Conditions, set: &[(&str, f64)]) -> Plan<'c> {
     let overrules = Overrules {
         quality: Quality::Preview,
         method: Some(Method::Planes),
-        set: [("shafts.suns".to_owned(), 1.0)]
-            .into_iter()
-            .chain([
-                ("shadow.resolution".to_owned(), 2048.0),
-                ("shadow.density".to_owned(), 1024.0),
-            ])
-            .chain(set)
-            .collect(),
+        set: [
+            ("shafts.disc".to_owned(), 0.0),
+            ("shafts.suns".to_owned(), 1.0),
+        ]
+        .into_iter()
+        .chain([
+            ("shadow.resolution".to_owned(), 2048.0),
+            ("shadow.density".to_owned(), 1024.0),
+        ])
+        .chain(set)
+        .collect(),
         ..Overrules::default()
     };
     Plan::new(conditions, &overrules).expect("the plan is sound")

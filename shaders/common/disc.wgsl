@@ -1,4 +1,5 @@
-// How much of the sun's disc a place sees: src/scene/disc.rs in 32 bits a chord. A pass that sees it sees the tree of casters.
+// How much of the sun's disc a place sees: src/scene/disc.rs in 32 bits a chord. A pass that sees it sees the tree of casters,
+// facets and materials.
 //
 // A chord of the disc is 32 places that share its light; what a triangle covers of it are some of the bits in a row. Places of
 // neighbouring chords are shifted against each other, so that an edge passes them one by one whichever way it lies.
@@ -109,43 +110,11 @@ fn disc_bits(disc: Disc, run: vec2f, shift: f32) -> u32 {
     return below & ~((1u << first) - 1u);
 }
 
-// The middle of the k-th of a chord's parts of the same light, -1 to 1.
-fn disc_place(disc: Disc, k: u32, shift: f32) -> f32 {
-    let wanted = (f32(k) + shift) / 32.0;
-    var u = 2.0 * wanted - 1.0;
-    for (var i = 0u; i < 3u && disc.limb.y != 0.0; i++) {
-        u += (wanted - disc_before(disc, u)) / (0.57207 * max(sqrt(sqrt(max(1.0 - u * u, 0.0))), 0.3));
-    }
-    return u;
-}
-
-// Those of a chord's bits at which a triangle with holes is solid.
-fn disc_solid(disc: Disc, triangle: u32, outline: Outline, bits: u32, chord: vec2f, turn: vec2f, shift: f32) -> u32 {
-    let material = materials[facets[triangle].material];
-    let x = attributes[3u * triangle];
-    let y = attributes[3u * triangle + 1u];
-    let z = attributes[3u * triangle + 2u];
-    var solid = 0u;
-    for (var rest = bits; rest != 0u; rest &= rest - 1u) {
-        let k = firstTrailingBit(rest);
-        let place = chord.x * turn + chord.y * disc_place(disc, k, shift) * vec2f(-turn.y, turn.x);
-        let d = vec3f(place, 1.0);
-        let weights = max(vec3f(dot(outline.a, d), dot(outline.b, d), dot(outline.c, d)), vec3f(0.0));
-        let w = weights / max(weights.x + weights.y + weights.z, 1e-30);
-        var alpha = 255.0;
-        if material.size.x > 0u {
-            let uv = w.x * uv_of(x) + w.y * uv_of(y) + w.z * uv_of(z);
-            alpha = f32(texels[texel_index(material, uv)] >> 24u);
-        }
-        alpha *= w.x * alpha_of(x) + w.y * alpha_of(y) + w.z * alpha_of(z);
-        solid |= select(0u, 1u << k, alpha >= material.least_alpha);
-    }
-    return solid;
-}
-
 struct Walk {
     at: u32,
     end: u32,
+    // Steps so far.
+    steps: u32,
 }
 
 // The next caster whose box a cone from `start` meets; NO_CASTER behind the last.
@@ -154,6 +123,7 @@ fn disc_next(disc: Disc, walk: ptr<function, Walk>, start: vec3f, own: u32) -> u
     let per_metre = 1.0 / select(disc.z, tiny, abs(disc.z) < vec3f(1e-18));
     while (*walk).at < (*walk).end {
         let i = (*walk).at;
+        (*walk).steps += 1u;
         let low = tree_texel(2u * i);
         let high = tree_texel(2u * i + 1u);
         let least = bitcast<vec3f>(low.xyz) - start;
@@ -182,99 +152,4 @@ fn disc_turn(k: u32) -> vec2f {
 
 fn disc_line(disc: Disc, normal: vec3f) -> vec3f {
     return vec3f(disc.tangent * dot(normal, disc.x), disc.tangent * dot(normal, disc.y), dot(normal, disc.z));
-}
-
-// The share of the disc's light that reaches a place, relative to the eye, of a surface, by channel, times the cosine of its
-// normal; nothing comes from behind its facet.
-fn disc_through(disc: Disc, p: vec3f, own: u32, facet: vec3f, normal: vec3f) -> vec3f {
-    let start = p + tile.eye;
-    let blur = 4e-7 * (length(p) + length(tile.eye));
-    let face = disc_line(disc, facet);
-    let level = disc_line(disc, normal);
-    // Which chords lie most across the edges that are there.
-    var across: array<f32, TURNS>;
-    for (var k = 0u; k < TURNS; k++) {
-        across[k] = 1.0;
-    }
-    var any = false;
-    var walk = Walk(1u, tree_texel(0u).x);
-    var triangle = disc_next(disc, &walk, start, own);
-    while triangle != NO_CASTER {
-        let outline = disc_outline(disc, triangle, start, blur);
-        let meets = disc_meets(outline);
-        if meets == MEETS_ALL && !has_holes(triangle) {
-            return vec3f(0.0);
-        }
-        if meets != MEETS_NOTHING {
-            any = true;
-            for (var i = 0u; i < 3u; i++) {
-                let line = select(select(outline.a, outline.b, i == 1u), outline.c, i == 2u);
-                let size = length(line.xy);
-                if abs(line.z) < size {
-                    for (var k = 0u; k < TURNS; k++) {
-                        let turn = disc_turn(k);
-                        across[k] = min(across[k], abs(line.y * turn.x - line.x * turn.y) / size);
-                    }
-                }
-            }
-        }
-        triangle = disc_next(disc, &walk, start, own);
-    }
-    let is_whole = face.z >= length(face.xy) && level.z >= length(level.xy);
-    if !any && is_whole {
-        return vec3f(level.z);
-    }
-    var best = 0u;
-    for (var k = 1u; k < TURNS; k++) {
-        best = select(best, k, across[k] > across[best]);
-    }
-    let turn = disc_turn(best);
-    var dark: array<u32, CHORDS>;
-    for (var j = 0u; j < CHORDS; j++) {
-        dark[j] = 0u;
-    }
-    walk.at = 1u;
-    triangle = select(NO_CASTER, disc_next(disc, &walk, start, own), any);
-    while triangle != NO_CASTER {
-        let outline = disc_outline(disc, triangle, start, blur);
-        if disc_meets(outline) != MEETS_NOTHING {
-            let holes = has_holes(triangle);
-            for (var j = 0u; j < CHORDS; j++) {
-                let angle = 3.14159265358979 * f32(j + 1u) / f32(CHORDS + 1u);
-                let half = sin(angle);
-                var run = vec2f(-half, half);
-                run = disc_cut(run, outline.a, turn, cos(angle));
-                run = disc_cut(run, outline.b, turn, cos(angle));
-                run = disc_cut(run, outline.c, turn, cos(angle));
-                if run.x < run.y {
-                    var bits = disc_bits(disc, run / half, disc_shift(j));
-                    if holes {
-                        bits = disc_solid(disc, triangle, outline, bits, vec2f(cos(angle), half), turn, disc_shift(j));
-                    }
-                    dark[j] |= bits;
-                }
-            }
-        }
-        triangle = disc_next(disc, &walk, start, own);
-    }
-    var sum = vec3f(0.0);
-    var whole = vec3f(0.0);
-    for (var j = 0u; j < CHORDS; j++) {
-        let angle = 3.14159265358979 * f32(j + 1u) / f32(CHORDS + 1u);
-        let half = sin(angle);
-        let weight = half * half * pow(vec3f(half), disc.limb);
-        whole += weight;
-        var run = vec2f(-half, half);
-        run = disc_cut(run, face, turn, cos(angle));
-        run = disc_cut(run, level, turn, cos(angle));
-        if run.x < run.y {
-            let lit = disc_bits(disc, run / half, disc_shift(j)) & ~dark[j];
-            // Taken in the middle of the run, whatever of it is lit: discs are narrow.
-            let middle = 0.5 * (run.x + run.y);
-            let slope = level.y * turn.x - level.x * turn.y;
-            let cosine = level.z + cos(angle) * dot(level.xy, turn) + middle * slope;
-            sum += weight * (f32(countOneBits(lit)) / 32.0) * max(cosine, 0.0);
-        }
-    }
-    return sum / whole;
 }

@@ -48,6 +48,10 @@ var<private> run_count: u32;
 // The piece without bends in which the last run ended.
 var<private> run_piece: Piece;
 var<private> run_piece_span: vec2f;
+// Parts of the ray, in order, that are left out; and the first of them that may still come.
+var<private> run_gaps: array<vec2f, MOST_RAMPS>;
+var<private> run_gap_count: u32;
+var<private> run_gap: u32;
 
 // A ray that is lit from the beginning of its air on, until it turns.
 fn begin_runs(origin: vec3f, direction: vec3f, air: vec2f, sources: u32) {
@@ -61,6 +65,7 @@ fn begin_runs(origin: vec3f, direction: vec3f, air: vec2f, sources: u32) {
     run_borders[0] = air.x;
     run_count = 1u;
     run_piece_span = vec2f(-1.0);
+    run_gap = 0u;
 }
 
 fn is_lit() -> bool {
@@ -88,12 +93,20 @@ fn integrate_runs() {
         var at = run_borders[k];
         let end = run_borders[k + 1u];
         // Each box gives at most fourteen bends.
-        for (var guard = 0u; guard <= 14u * tile.media && at < end; guard++) {
+        for (var guard = 0u; guard <= 14u * tile.media + 3u * run_gap_count && at < end; guard++) {
+            if run_gap < run_gap_count && run_gaps[run_gap].x <= at {
+                at = max(at, min(end, run_gaps[run_gap].y));
+                run_gap += u32(at >= run_gaps[run_gap].y);
+                continue;
+            }
             if at >= run_piece_span.y || at < run_piece_span.x {
                 run_piece_span = vec2f(at, min(run_end, next_bend(run_origin, run_direction, beam.toward, at)));
                 run_piece = homogeneous(run_origin, run_direction, at, run_piece_span.y, beam.toward, run_one_minus_mu, run_sources);
             }
-            let next = min(end, run_piece_span.y);
+            var next = min(end, run_piece_span.y);
+            if run_gap < run_gap_count {
+                next = min(next, run_gaps[run_gap].x);
+            }
             run_sum += scattered_part(run_piece, run_piece_span.x, run_origin, run_direction, at, next, beam.toward,
                                       run_one_minus_mu, run_sources);
             at = next;

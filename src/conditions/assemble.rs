@@ -83,6 +83,7 @@ impl Conditions {
             ground,
             air: moment.air,
             request: request.clone(),
+            disc: Arc::default(),
             scene,
         })
     }

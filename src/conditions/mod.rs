@@ -19,6 +19,7 @@ pub use assemble::SolarGeometry;
 pub use brightest::Brightest;
 pub use inputs::{Input, Snapshot};
 pub use lamps::Lamp;
+pub use penumbra::{DiscInAir, Told};
 pub use request::{CameraChoice, Request};
 pub use sun::Sun;
 pub use view::{Receiver, Receivers, View, sample_positions, spread};
@@ -29,8 +30,9 @@ use crate::scene::{Geometry, Scene};
 use crate::sky::Sky;
 use crate::warning::Warning;
 use glam::DVec3;
+use std::any::Any;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Everything that effects need to know, in SI units and scene axes: a scene at a moment, from a view.
 ///
@@ -61,6 +63,8 @@ pub struct Conditions {
     pub warnings: Vec<Warning>,
     /// What was asked for, so that it can be asked of another moment.
     request: Request,
+    /// What was found last of the sun's disc in the air, and of which inputs: see `penumbra`.
+    disc: Arc<Mutex<Option<Arc<dyn Any + Send + Sync>>>>,
 }
 
 /// The endless plane below everything.

@@ -1,12 +1,14 @@
 //! How wide the edges of shadows are in the picture.
 
-use super::Conditions;
+use super::{Conditions, Input, Snapshot, spread};
 use crate::beam::Beam;
 use crate::medium::Shape;
 use crate::scene::Projection;
 use crate::scene::edges::Edges;
+use crate::scene::penumbra::SoftShade;
 use glam::DVec2;
 use std::ops::RangeInclusive;
+use std::sync::{Arc, PoisonError};
 
 /// Above so many of its radii the sun's disc counts as one direction for what the air takes of its light.
 const LOW: f64 = 8.0;
@@ -14,22 +16,96 @@ const LOW: f64 = 8.0;
 /// The angular radii of discs whose edges are told [rad]: a smaller one is a point to f32, a larger one is not flat.
 const TOLD: RangeInclusive<f64> = 1e-6..=0.01;
 
+/// With more penumbrae than this on the way of a ray, on average, to tell them apart takes many times as long as points of the disc.
+const FEW: usize = 40;
+
+/// The sun's disc as the air sees it.
+pub struct DiscInAir {
+    /// Where surfaces end that stand in its way.
+    pub edges: Edges,
+    /// The beam that stands for its light as a whole.
+    pub beam: Beam,
+    /// On which rays the edges of its shadows can be told apart.
+    pub told: Told,
+}
+
+/// On which rays of a picture the edges of shadows can be told apart: not where holes of surfaces or too many edges lie on their way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Told {
+    /// On all that were tried.
+    Everywhere,
+    /// On most.
+    Mostly,
+    /// On few, or too slowly.
+    Not,
+}
+
+/// What was found of a disc last, and of which inputs.
+struct Found {
+    made_of: Snapshot,
+    disc: Arc<DiscInAir>,
+}
+
+/// What a disc in the air depends on.
+const INPUTS: &[Input] = &[Input::Geometry, Input::Sun, Input::View, Input::Media];
+
 impl Conditions {
+    /// The sun's disc as the air sees it, found when it is first asked for; `None` where [`Conditions::whole_sun`] is.
+    pub fn disc_in_air(&self) -> Option<Arc<DiscInAir>> {
+        let beam = self.whole_sun()?;
+        let mut last = self.disc.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = last.as_ref().and_then(|last| last.downcast_ref::<Found>());
+        if let Some(found) = found
+            && found.made_of.still_holds(self, INPUTS)
+        {
+            return Some(found.disc.clone());
+        }
+        let edges = Edges::new(&self.geometry, self.sun.disc()?);
+        let told = self.told(&edges);
+        let disc = Arc::new(DiscInAir { edges, beam, told });
+        *last = Some(Arc::new(Found {
+            made_of: self.snapshot(INPUTS),
+            disc: disc.clone(),
+        }));
+        Some(disc)
+    }
+
+    /// On which rays of the picture the edges of shadows can be told apart, judged by some of them.
+    fn told(&self, edges: &Edges) -> Told {
+        const RAYS: usize = 64;
+        let pixels = spread(self.view.size, RAYS);
+        let mut shade = SoftShade::default();
+        let (mut told, mut penumbrae) = (0, 0);
+        for pixel in &pixels {
+            let ray = self.view.ray(pixel.as_dvec2() + 0.5);
+            let hit = self.geometry.closest(&ray, 0.0, f64::INFINITY);
+            let end = hit.map_or(f64::INFINITY, |hit| hit.distance);
+            let end = end.min(self.air.end(ray.origin, ray.direction));
+            let borders = std::iter::empty();
+            let is_told = self
+                .geometry
+                .soft_shade(&ray, end, edges, borders, &mut shade);
+            told += usize::from(is_told);
+            penumbrae += shade.penumbrae();
+        }
+        if 2 * told <= pixels.len() || penumbrae > FEW * pixels.len() {
+            Told::Not
+        } else if told < pixels.len() {
+            Told::Mostly
+        } else {
+            Told::Everywhere
+        }
+    }
+
     /// The beams of the sun's disc that shadows are made for: `count` of them, or one where no penumbra is as wide as a pixel.
     pub fn sun_beams(&self, count: usize) -> Vec<Beam> {
         let one = self.view.points().is_none() && self.widest_penumbra() < 1.0;
         self.sun.beams(if one { 1 } else { count })
     }
 
-    /// The edges of shadows as the sun's disc makes them, and the beam that stands for its light as a whole; `None` where one point or
-    /// several have to do: no penumbra is as wide as a pixel, the disc is wider than 1.1 degrees, or the sun is so low that its light comes
-    /// through other air from its lower edge than from its upper one.
-    pub fn sun_edges(&self) -> Option<(Edges, Beam)> {
-        let beam = self.whole_sun()?;
-        Some((Edges::new(&self.geometry, self.sun.disc()?), beam))
-    }
-
-    /// The beam that stands for the light of the sun's whole disc where [`Conditions::sun_edges`] has its edges.
+    /// The beam that stands for the light of the sun's whole disc; `None` where one point or several have to do: no penumbra is as wide as a
+    /// pixel, the disc is wider than 1.1 degrees, or the sun is so low that its light comes through other air from its lower edge than from
+    /// its upper one.
     pub fn whole_sun(&self) -> Option<Beam> {
         let radius = self.sun.angular_radius();
         let elevation = self.sun.toward.y.clamp(-1.0, 1.0).asin();

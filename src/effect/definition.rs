@@ -32,6 +32,8 @@ pub struct Effect {
     /// The slow and exact way on the CPU, in f64: prepared once a frame, then run on batches of rays on all cores. Preparing it ends
     /// with an error when it was stopped.
     pub reference: for<'a> fn(&'a Conditions, &Settings<'_>, &Keeper<'_>) -> Result<Batch<'a>>,
+    /// What a user may want to know of how a GPU does it; the reference tells its [`Keeper`].
+    pub note: fn(&Conditions, &Settings<'_>) -> Option<String>,
     /// What it does on a GPU; empty: `reference` does it on the CPU there too.
     pub passes: &'static [Pass],
 }
@@ -49,6 +51,7 @@ impl Effect {
         knobs: &[],
         decide: |_| Decision::nothing("there is nothing to do"),
         reference: |_, _, _| Ok(Box::new(|_| {})),
+        note: |_, _| None,
         passes: &[],
     };
 

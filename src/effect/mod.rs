@@ -165,6 +165,7 @@ pub mod shafts_planes;
 pub mod shafts_prefiltered;
 pub mod shafts_rectified;
 pub mod sky_dome;
+pub mod soft_edges;
 pub mod sun_disc;
 pub mod surface_lamps;
 pub mod surface_sun;

@@ -198,9 +198,12 @@ pub enum Resource {
     Texels,
     /// Whether anything stands between a surface and the pass's beam, exactly: `is_shaded(p, own)`, by the tree of all casters; and how
     /// much of a disc is seen past them: `disc_through(disc, p, own, facet, normal)`. The
-    /// pass runs for each beam, and names attributes, facets, materials and texels too. It does without the
-    /// beam's shadow maps, which need not have been drawn: what asks them, `beam_reaches` for one, finds light everywhere.
+    /// pass runs for each beam, and names attributes, facets, materials and texels too; without attributes and texels it has the
+    /// tree and the disc's outlines alone. It does without the beam's shadow maps, which need not have been drawn: what asks them, `beam_reaches` for one, finds light everywhere.
     CasterTree,
+    /// Where surfaces end as the sun's whole disc sees them, edges in a tree of their own: `ends: texture_2d<u32>`, as
+    /// `shaders/soft_edges.wgsl` reads it.
+    Ends,
     /// Numbers by name: `knobs: Knobs`, a struct with just these members.
     Knobs(fn(&Conditions, &Settings<'_>) -> Vec<(&'static str, Number)>),
     /// Numbers that the effect prepares: `table: array<f32>`.

@@ -25,7 +25,8 @@
 //! across w in the slice: d = h sin(theta) - a cos(theta) against c = o . m.
 
 use super::pass::TILE;
-use super::{Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, sun_beams};
+use super::shafts;
+use super::{Field, Knob, Number, Over, Pass, Product, Resource, Settings, When};
 use crate::conditions::{Conditions, Input};
 
 /// Columns of a leaf times the children of the nodes of three levels: rows are as long as a multiple of this.
@@ -136,7 +137,7 @@ const fn pass(entry: &'static str, over: Over) -> Pass {
         shader: SHADER,
         entry,
         over,
-        when: When::EachBeam(sun_beams),
+        when: When::EachBeam(shafts::beams),
         uses: USES,
     }
 }

@@ -10,12 +10,13 @@
 //! scattered light is missing from each further order.
 
 use super::{Batch, Contribution, Decision, Field, Keeper, Knob, Settings, sun_beams};
-use crate::conditions::{Conditions, spread};
+use crate::beam::Beam;
+use crate::conditions::{Conditions, DiscInAir, Told};
 use crate::error::Result;
 use crate::medium::Scattering;
-use crate::scene::edges::Edges;
 use crate::scene::penumbra::{NODES, SoftShade};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// The knob that all methods have: as many points stand for the sun's disc.
 pub const SUNS: Knob = Knob {
@@ -70,26 +71,60 @@ pub fn decide(conditions: &Conditions) -> Decision {
     )
 }
 
-/// With more penumbrae than this on the way of a ray, on average, to tell them apart takes many times as long as points of the disc.
-const FEW: usize = 40;
+/// What stands for the sun in the air.
+enum SunInAir {
+    /// The whole disc, its edges told apart; points where a ray cannot.
+    Disc(Arc<DiscInAir>),
+    /// Points, and why, where it could have been the disc.
+    Points(Option<&'static str>),
+}
 
-/// Whether rays of a picture can tell the edges of shadows apart, judged by some of them.
-fn are_told_apart(conditions: &Conditions, edges: &Edges) -> bool {
-    const RAYS: usize = 64;
-    let pixels = spread(conditions.view.size, RAYS);
-    let mut shade = SoftShade::default();
-    let (mut told, mut penumbrae) = (0, 0);
-    for pixel in &pixels {
-        let ray = conditions.view.ray(pixel.as_dvec2() + 0.5);
-        let geometry = &conditions.geometry;
-        let hit = geometry.closest(&ray, 0.0, f64::INFINITY);
-        let end = hit.map_or(f64::INFINITY, |hit| hit.distance);
-        let end = end.min(conditions.air.end(ray.origin, ray.direction));
-        let is_told = geometry.soft_shade(&ray, end, edges, std::iter::empty(), &mut shade);
-        told += usize::from(is_told);
-        penumbrae += shade.penumbrae();
+fn sun_in_air(conditions: &Conditions, settings: &Settings<'_>, on_gpu: bool) -> SunInAir {
+    if settings.get("disc") == 0.0 {
+        return SunInAir::Points(None);
     }
-    2 * told > pixels.len() && penumbrae <= FEW * pixels.len()
+    match conditions.disc_in_air() {
+        None => SunInAir::Points(None),
+        Some(disc) => match disc.told {
+            Told::Not => SunInAir::Points(Some("shadows have too many edges")),
+            Told::Mostly if on_gpu => {
+                SunInAir::Points(Some("some rays pass leaves or too many edges of shadows"))
+            }
+            Told::Mostly | Told::Everywhere => SunInAir::Disc(disc),
+        },
+    }
+}
+
+/// What a user may want to know of it.
+fn note_of(sun: &SunInAir, beams: usize) -> Option<String> {
+    match sun {
+        SunInAir::Points(Some(reason)) => Some(format!(
+            "{reason} for the sun's disc to be told in the air: {beams} points stand for it there (`suns`)",
+        )),
+        _ => None,
+    }
+}
+
+/// The same of passes on a GPU.
+pub fn note(conditions: &Conditions, settings: &Settings<'_>) -> Option<String> {
+    let sun = sun_in_air(conditions, settings, true);
+    note_of(&sun, sun_beams(conditions, settings).len())
+}
+
+/// The beams for which passes of all methods run: the disc as a whole, whose edges [`super::soft_edges`] then makes soft, or its points.
+pub fn beams(conditions: &Conditions, settings: &Settings<'_>) -> Vec<Beam> {
+    match sun_in_air(conditions, settings, true) {
+        SunInAir::Disc(disc) => vec![disc.beam],
+        SunInAir::Points(_) => sun_beams(conditions, settings),
+    }
+}
+
+/// The beam whose shadows have soft edges, if there is one.
+pub fn soft_beams(conditions: &Conditions, settings: &Settings<'_>) -> Vec<Beam> {
+    match sun_in_air(conditions, settings, true) {
+        SunInAir::Disc(disc) => vec![disc.beam],
+        SunInAir::Points(_) => Vec::new(),
+    }
 }
 
 /// The exact lit runs and their integrals, for whichever method.
@@ -99,20 +134,14 @@ pub fn reference<'a>(
     kept: &Keeper<'_>,
 ) -> Result<Batch<'a>> {
     let beams = sun_beams(conditions, settings);
-    let edges = match settings.get("disc") > 0.0 {
-        true => conditions.sun_edges(),
-        false => None,
+    let sun = sun_in_air(conditions, settings, false);
+    note_of(&sun, beams.len())
+        .into_iter()
+        .for_each(|note| kept.note(note));
+    let disc = match sun {
+        SunInAir::Disc(disc) => Some(disc),
+        SunInAir::Points(_) => None,
     };
-    let edges = edges.filter(|(edges, _)| {
-        let is_told = are_told_apart(conditions, edges);
-        if !is_told {
-            kept.note(format!(
-                "shadows have too many edges for the sun's disc to be told in the air: {} points stand for it there (`suns`)",
-                beams.len()
-            ));
-        }
-        is_told
-    });
     let before_sky = conditions.air.before_sky();
     let open = conditions.air.with_sources(|medium| !medium.is_clear_air());
     Ok(Box::new(move |fields| {
@@ -130,10 +159,10 @@ pub fn reference<'a>(
             }
             let geometry = &conditions.geometry;
             let mut sum = DVec3::ZERO;
-            if let Some((edges, beam)) = &edges {
+            if let Some(disc) = &disc {
+                let DiscInAir { edges, beam, .. } = &**disc;
                 let scattering = Scattering::new(air, ray.origin, ray.direction, end, beam);
-                let is_told = geometry.soft_shade(ray, end, edges, scattering.borders(), &mut soft);
-                if is_told {
+                if geometry.soft_shade(ray, end, edges, scattering.borders(), &mut soft) {
                     for ([from, to], pass) in &soft.lit {
                         sum += *pass * scattering.integrate(*from, *to);
                     }

@@ -19,9 +19,9 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
+use super::soft_edges::SOFTEN_AFTER;
 use super::{
     Effect, Extent, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, rows,
-    sun_beams,
 };
 use crate::conditions::Conditions;
 
@@ -59,6 +59,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
     ],
     decide: shafts::decide,
     reference: shafts::reference,
+    note: shafts::note,
     passes: &[
         rows::BEGIN,
         rows::MEASURE,
@@ -79,6 +80,7 @@ pub const SHAFTS_EPIPOLAR: Effect = Effect {
         pass("refine_4", Over::Groups(|extent| groups(extent, 4))),
         pass("refine_2", Over::Groups(|extent| groups(extent, 2))),
         pass("unwarp", Over::Pixels),
+        SOFTEN_AFTER,
     ],
     ..Effect::NOTHING
 };
@@ -112,7 +114,7 @@ const fn pass(entry: &'static str, over: Over) -> Pass {
         shader: SHADER,
         entry,
         over,
-        when: When::EachBeam(sun_beams),
+        when: When::EachBeam(shafts::beams),
         uses: USES,
     }
 }

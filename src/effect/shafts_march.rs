@@ -7,7 +7,8 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, sun_beams};
+use super::soft_edges::{self, PENUMBRAE, SOFTEN};
+use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When};
 
 /// Marching.
 pub const SHAFTS_MARCH: Effect = Effect {
@@ -40,22 +41,31 @@ pub const SHAFTS_MARCH: Effect = Effect {
     ],
     decide: shafts::decide,
     reference: shafts::reference,
-    passes: &[Pass {
-        shader: include_str!("../../shaders/shafts_march.wgsl"),
-        entry: "march",
-        over: Over::Pixels,
-        when: When::EachBeam(sun_beams),
-        uses: &[
-            Resource::Read(Field::Surface),
-            Resource::Update(Field::InscatterSun),
-            Resource::Knobs(|_, settings| {
-                vec![
-                    ("steps", Number::Count(settings.get("steps") as u32)),
-                    ("jitter", Number::float(settings.get("jitter"))),
-                    ("halvings", Number::Count(settings.get("halvings") as u32)),
-                ]
-            }),
-        ],
-    }],
+    note: shafts::note,
+    passes: &[
+        SOFTEN,
+        Pass {
+            shader: include_str!("../../shaders/shafts_march.wgsl"),
+            entry: "march",
+            over: Over::Pixels,
+            when: When::EachBeam(shafts::beams),
+            uses: &[
+                Resource::Read(Field::Surface),
+                Resource::Update(Field::InscatterSun),
+                Resource::Use(&PENUMBRAE),
+                Resource::Knobs(|conditions, settings| {
+                    vec![
+                        ("steps", Number::Count(settings.get("steps") as u32)),
+                        ("jitter", Number::float(settings.get("jitter"))),
+                        ("halvings", Number::Count(settings.get("halvings") as u32)),
+                        (
+                            "soft",
+                            Number::Count(soft_edges::is_soft(conditions, settings).into()),
+                        ),
+                    ]
+                }),
+            ],
+        },
+    ],
     ..Effect::NOTHING
 };

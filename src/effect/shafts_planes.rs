@@ -25,9 +25,8 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::{
-    Effect, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When, sun_beams,
-};
+use super::soft_edges::SOFTEN_AFTER;
+use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, Settings, When};
 use crate::conditions::Input;
 
 /// Virtual planes.
@@ -55,6 +54,7 @@ pub const SHAFTS_PLANES: Effect = Effect {
     ],
     decide: shafts::decide,
     reference: shafts::reference,
+    note: shafts::note,
     passes: &[
         pass("begin", Over::Groups(|_| [1, 1]), USES),
         pass("measure", Over::Pixels, USES),
@@ -67,6 +67,7 @@ pub const SHAFTS_PLANES: Effect = Effect {
             USES,
         ),
         pass("integrate", Over::Pixels, SUMS),
+        SOFTEN_AFTER,
     ],
     ..Effect::NOTHING
 };
@@ -76,7 +77,7 @@ const fn pass(entry: &'static str, over: Over, uses: &'static [Resource]) -> Pas
         shader: include_str!("../../shaders/shafts_planes.wgsl"),
         entry,
         over,
-        when: When::EachBeam(sun_beams),
+        when: When::EachBeam(shafts::beams),
         uses,
     }
 }

@@ -14,7 +14,8 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, When, rows, sun_beams};
+use super::soft_edges::SOFTEN_AFTER;
+use super::{Effect, Field, Knob, Number, Over, Pass, Product, Resource, When, rows};
 
 /// Prefix sums of filtered rows.
 pub const SHAFTS_PREFILTERED: Effect = Effect {
@@ -50,6 +51,7 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
     ],
     decide: shafts::decide,
     reference: shafts::reference,
+    note: shafts::note,
     passes: &[
         rows::BEGIN,
         rows::MEASURE,
@@ -59,6 +61,7 @@ pub const SHAFTS_PREFILTERED: Effect = Effect {
             Over::Groups(|extent| [rows::most_rows(extent.conditions, &extent.settings), 1]),
         ),
         pass("look_up", Over::Pixels),
+        SOFTEN_AFTER,
     ],
     ..Effect::NOTHING
 };
@@ -71,7 +74,7 @@ const fn pass(entry: &'static str, over: Over) -> Pass {
         ),
         entry,
         over,
-        when: When::EachBeam(sun_beams),
+        when: When::EachBeam(shafts::beams),
         uses: USES,
     }
 }

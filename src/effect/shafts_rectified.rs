@@ -12,7 +12,8 @@
 
 use super::method::Method;
 use super::shafts::{self, DISC, SUNS};
-use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows, sun_beams};
+use super::soft_edges::{self, PENUMBRAE, SOFTEN};
+use super::{Effect, Field, Knob, Number, Over, Pass, Resource, When, rows};
 
 /// The main method.
 pub const SHAFTS_RECTIFIED: Effect = Effect {
@@ -36,10 +37,12 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
     ],
     decide: shafts::decide,
     reference: shafts::reference,
+    note: shafts::note,
     passes: &[
         rows::BEGIN,
         rows::MEASURE,
         rows::BUILD,
+        SOFTEN,
         Pass {
             shader: concat!(
                 include_str!("../../shaders/shafts_rectified.wgsl"),
@@ -47,7 +50,7 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
             ),
             entry: "integrate",
             over: Over::Pixels,
-            when: When::EachBeam(sun_beams),
+            when: When::EachBeam(shafts::beams),
             uses: &[
                 Resource::Read(Field::Surface),
                 Resource::Knobs(|conditions, settings| {
@@ -55,12 +58,17 @@ pub const SHAFTS_RECTIFIED: Effect = Effect {
                     knobs.extend([
                         ("blend", Number::count(settings.get("blend"))),
                         ("halvings", Number::Count(settings.get("halvings") as u32)),
+                        (
+                            "soft",
+                            Number::Count(soft_edges::is_soft(conditions, settings).into()),
+                        ),
                     ]);
                     knobs
                 }),
                 Resource::Update(Field::InscatterSun),
                 Resource::Make(&rows::ASKED),
                 Resource::Make(&rows::TREE),
+                Resource::Use(&PENUMBRAE),
             ],
         },
     ],

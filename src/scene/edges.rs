@@ -95,15 +95,7 @@ impl Edges {
     pub fn new(geometry: &Geometry, disc: Disc) -> Self {
         let toward = disc.toward();
         // Between faces that the disc sees edge-on an edge may end what a part of it sees.
-        let grazing = 2.0 * disc.tan_radius();
-        let normal = |slot: usize| {
-            let [a, b, c] = geometry.corners[slot];
-            (b - a).cross(c - a)
-        };
-        let is_grazed = |slot: usize| {
-            let normal = normal(slot);
-            normal.dot(toward).abs() <= grazing * normal.length()
-        };
+        let is_grazed = |slot: usize| is_grazed(&geometry.corners[slot], &disc);
         let kind = |slot: usize| {
             (
                 geometry.veil(slot).map(|veil| veil.0),
@@ -148,6 +140,11 @@ impl Edges {
     /// Whether an edge of a kept triangle, by the number of the corner opposite, ends what the disc sees.
     pub(super) fn is_open(&self, slot: usize, edge: usize) -> bool {
         self.open[slot] & (1 << edge) != 0
+    }
+
+    /// Whether the disc sees a kept triangle so nearly edge-on that a part of it may see its other side.
+    pub(super) fn is_grazed(&self, geometry: &Geometry, slot: usize) -> bool {
+        is_grazed(&geometry.corners[slot], &self.disc)
     }
 
     /// How far it is from a kept triangle to where its surface ends.
@@ -236,6 +233,11 @@ impl Geometry {
             (0..self.corners.len()).map(of).collect()
         })
     }
+}
+
+fn is_grazed([a, b, c]: &[DVec3; 3], disc: &Disc) -> bool {
+    let normal = (*b - *a).cross(*c - *a);
+    normal.dot(disc.toward()).abs() <= 2.0 * disc.tan_radius() * normal.length()
 }
 
 /// The least distance of a triangle from a line between two points.

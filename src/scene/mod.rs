@@ -11,6 +11,7 @@ pub mod curtain;
 pub mod cut_out;
 pub mod disc;
 pub mod edges;
+pub mod ends;
 mod fan;
 pub mod framing;
 pub mod geometry;

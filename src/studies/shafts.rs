@@ -162,7 +162,10 @@ fn plan<'c>(
         .set
         .iter()
         .map(|(knob, value)| (format!("shafts_{}.{knob}", trial.method.name()), *value))
-        .chain([("shafts.suns".to_owned(), 1.0)])
+        .chain([
+            ("shafts.disc".to_owned(), 0.0),
+            ("shafts.suns".to_owned(), 1.0),
+        ])
         .chain(extra.iter().cloned())
         .collect();
     let without = ALL

@@ -15,6 +15,7 @@ pub mod receive;
 pub mod rooms;
 pub mod scenes;
 pub mod shafts;
+pub mod soft;
 pub mod views;
 
 use std::io::Write;

@@ -21,6 +21,7 @@ mod beams;
 mod by_cpu;
 pub mod device;
 mod draw;
+mod ends;
 mod hemicube;
 mod job;
 mod maps;

@@ -109,6 +109,8 @@ impl<'p> Maker<'_, 'p> {
                 self.host(effect, &settings)?;
                 continue;
             }
+            let note = (effect.note)(plan.conditions, &settings);
+            note.into_iter().for_each(|note| self.kept.note(note));
             for pass in effect.passes {
                 self.pass(effect, pass, &settings)?;
             }
@@ -257,20 +259,24 @@ impl<'p> Maker<'_, 'p> {
             }
             return Ok(());
         }
+        let beams = match pass.when {
+            When::EachBeam(beams) => {
+                let beams = beams(plan.conditions, settings);
+                if beams.is_empty() {
+                    return Ok(());
+                }
+                let traced = |r: &Resource| matches!(r, Resource::CasterTree);
+                self.beams(beams, !pass.uses.iter().any(traced))?
+            }
+            _ => Vec::new(),
+        };
         let compiled = self.pipelines.compiled;
         let compile = || self.pipelines.compute(&what);
         let (pipeline, layout) = self.start_up.timed(PIPELINES, compile);
         let cold = self.pipelines.compiled > compiled;
         for field in each {
             let group = self.group(effect, pass, settings, &layout, field)?;
-            let beams = match pass.when {
-                When::EachBeam(beams) => {
-                    let traced = |r: &Resource| matches!(r, Resource::CasterTree);
-                    let mapped = !pass.uses.iter().any(traced);
-                    self.beams(beams(plan.conditions, settings), mapped)?
-                }
-                _ => Vec::new(),
-            };
+            let beams = beams.clone();
             let groups = match pass.over {
                 Over::Groups(count) => Some(count(&self.extent(settings))),
                 _ => None,
@@ -417,6 +423,11 @@ impl<'p> Maker<'_, 'p> {
                     let make = || self.scene.caster_tree(device);
                     let tree = self.start_up.timed(SCENE, make)?;
                     bound.push(Bound::View(tree.create_view(&Default::default())));
+                    continue;
+                }
+                Resource::Ends => {
+                    let ends = self.scene.ends(device, conditions)?;
+                    bound.push(Bound::View(ends.create_view(&Default::default())));
                     continue;
                 }
                 Resource::Faces => {

@@ -6,10 +6,11 @@
 
 use super::beams::Slots;
 use super::device::Device;
+use super::ends;
 use super::shared::{self, Attributes, Material};
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, DiscInAir};
 use crate::effect::Resource;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::medium::{Fog, Phase, Shape};
 use crate::scene::edges::in_turn;
 use crate::scene::opacity::Opacity;
@@ -114,6 +115,8 @@ pub struct SceneOnDevice {
     made: BTreeMap<&'static str, Buffer>,
     caster_corners: Option<Texture>,
     caster_tree: Option<Texture>,
+    /// Where surfaces end as a disc sees them.
+    ends: Option<(Arc<DiscInAir>, Texture)>,
     /// Shadow maps of beams.
     pub slots: Slots,
 }
@@ -131,6 +134,7 @@ impl SceneOnDevice {
             made: BTreeMap::new(),
             caster_corners: None,
             caster_tree: None,
+            ends: None,
             slots: Slots::default(),
         }
     }
@@ -153,6 +157,7 @@ impl SceneOnDevice {
         self.made.remove(FACETS_NAME);
         self.caster_corners = None;
         self.caster_tree = None;
+        self.ends = None;
         self.slots = Slots::default();
     }
 
@@ -229,6 +234,29 @@ impl SceneOnDevice {
             texels,
         )?;
         self.caster_tree = Some(texture.clone());
+        Ok(texture)
+    }
+
+    /// Where surfaces end as the sun's disc sees them, as `shaders/soft_edges.wgsl` reads it.
+    pub fn ends(&mut self, device: &Device, conditions: &Conditions) -> Result<Texture> {
+        let disc = conditions.disc_in_air().ok_or_else(|| {
+            Error::failed(
+                "an effect asks for the edges of shadows where a point stands for the sun",
+                "mend the effect: its pass runs where the conditions have a disc in the air",
+            )
+        })?;
+        if let Some((of, texture)) = &self.ends
+            && Arc::ptr_eq(of, &disc)
+        {
+            return Ok(texture.clone());
+        }
+        let texture = device.texels(
+            "the edges of shadows",
+            shared::TREE_WIDTH,
+            TextureFormat::Rgba32Uint,
+            ends::texels(&disc.edges, &self.geometry, self.anchor),
+        )?;
+        self.ends = Some((disc, texture.clone()));
         Ok(texture)
     }
 

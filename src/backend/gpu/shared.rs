@@ -1,6 +1,7 @@
 //! What Rust and the shaders share: constants, which stand here alone and are printed for the shaders, and structs, declared once
 //! here and compared with the shaders' by a test.
 
+use crate::effect::soft_edges::PENUMBRA_NUMBERS;
 use crate::frame::NO_HIT;
 use crate::medium::FARTHEST;
 use encase::{ShaderType, internal::WriteInto};
@@ -48,6 +49,11 @@ constants! {
     CUT_OUT: u32 = 0x8000_0000;
     /// Texels in a row of the tree of casters.
     TREE_WIDTH: u32 = 4096;
+    /// So many penumbrae are told apart along a ray; and the numbers that a pixel has for the parts of its ray in penumbrae.
+    MOST_RAMPS: u32 = 24;
+    PENUMBRA_SIZE: u32 = PENUMBRA_NUMBERS;
+    /// Places of the table of what a line across the disc leaves of its light.
+    SHARES: u32 = 257;
     /// Numbers of a [`Surface`] that is none, and of the ground; those of triangles follow.
     NOTHING: u32 = 0;
     GROUND: u32 = 1;

@@ -45,7 +45,7 @@ impl Binding {
     fn of(resource: &Resource) -> Self {
         match resource {
             Resource::Update(_) | Resource::Each | Resource::Make(_) => Binding::Write,
-            Resource::Numbers | Resource::CasterTree => Binding::Texture,
+            Resource::Numbers | Resource::CasterTree | Resource::Ends => Binding::Texture,
             Resource::Faces => Binding::TextureArray,
             Resource::Knobs(_) => Binding::Uniform,
             _ => Binding::Read,
@@ -120,6 +120,7 @@ fn declared(resource: &Resource) -> (&'static str, &'static str) {
         Resource::Materials => ("materials", "array<Material>"),
         Resource::Texels => ("texels", "array<u32>"),
         Resource::CasterTree => ("caster_tree", "texture_2d<u32>"),
+        Resource::Ends => ("ends", "texture_2d<u32>"),
         Resource::Knobs(_) => ("knobs", "Knobs"),
         Resource::Table(_) => ("table", "array<f32>"),
         Resource::Sky => ("sky_numbers", "array<f32>"),
@@ -151,6 +152,9 @@ pub fn shader_text(
             Resource::CasterTree => {
                 text += include_str!("../../../shaders/common/caster_tree.wgsl");
                 text += include_str!("../../../shaders/common/disc.wgsl");
+                if pass.uses.iter().any(|r| matches!(r, Resource::Texels)) {
+                    text += include_str!("../../../shaders/common/shaded.wgsl");
+                }
             }
             _ => {}
         }
