@@ -5,8 +5,11 @@
 //! dt / d^2 = d theta / h: in theta there is no peak however near the light is (Nishita, Miyawaki & Nakamae 1987; Pegoraro & Parker
 //! 2009). Between the faces of media the integrand is smooth; Gauss-Legendre quadrature on parts that are halved until they agree.
 
+use super::body::Body;
 use super::exponential::gauss;
-use super::{Air, FARTHEST, Medium, Shape};
+use super::height::HeightTerm;
+use super::line::Line;
+use super::{Air, FARTHEST, Medium};
 use glam::DVec3;
 
 /// Parts whose halves agree this well are not halved any more, where nothing else is asked for.
@@ -14,6 +17,9 @@ pub(super) const TOLERANCE: f64 = 1e-9;
 
 /// A part is halved at most so often.
 const HALVINGS: u32 = 24;
+
+/// An optical depth through which next to nothing is seen.
+const OPAQUE: f64 = 10.0;
 
 /// Where a ray enters and leaves the sphere around the light inside of which it gets no brighter, if it does.
 fn within(foot: f64, aside: f64, radius: f64) -> Vec<f64> {
@@ -27,9 +33,79 @@ fn within(foot: f64, aside: f64, radius: f64) -> Vec<f64> {
 /// How luminous intensity depends on the unit vector that light goes along [1].
 pub type Pattern<'a> = &'a (dyn Fn(DVec3) -> f64 + Sync);
 
+/// A medium along the ray.
+struct Term<'a> {
+    medium: &'a Medium,
+    extinction: DVec3,
+    profile: Profile,
+    /// Where it begins and ends along the ray, and between them often enough that no wave of it goes by unseen [m].
+    borders: Vec<f64>,
+}
+
+/// How dense a medium is along the ray.
+enum Profile {
+    Within(Line),
+    Thinning(HeightTerm),
+}
+
+impl<'a> Term<'a> {
+    fn new(
+        air: &Air,
+        medium: &'a Medium,
+        origin: DVec3,
+        direction: DVec3,
+        distance: f64,
+    ) -> Option<Self> {
+        let extinction = medium.extinction();
+        let mut borders = Vec::new();
+        let profile = match air.body(medium) {
+            Some(body) => {
+                let chords = body.chords(origin, direction, distance);
+                borders.extend(chords.iter().flat_map(|chord| [chord.from, chord.to]));
+                if let Body::Layer(layer) = body
+                    && let (Some(first), Some(last)) = (chords.first(), chords.last())
+                {
+                    borders.extend(layer.grid(first.from, last.to));
+                }
+                Profile::Within(Line::new(chords))
+            }
+            None => Profile::Thinning(HeightTerm::new(
+                medium,
+                origin,
+                direction,
+                DVec3::Y,
+                DVec3::ZERO,
+            )?),
+        };
+        Some(Term {
+            medium,
+            extinction,
+            profile,
+            borders,
+        })
+    }
+
+    /// Optical depth from the eye [1].
+    fn depth(&self, t: f64) -> DVec3 {
+        match &self.profile {
+            Profile::Within(line) => self.extinction * line.length(t),
+            Profile::Thinning(term) => term.eye_depth(t),
+        }
+    }
+
+    /// Density at `t`, in a part of the ray whose middle says whether it is there.
+    fn density(&self, t: f64, middle: f64) -> f64 {
+        match &self.profile {
+            Profile::Within(line) => line.density_beside(t, middle),
+            Profile::Thinning(term) => term.profile.density(t),
+        }
+    }
+}
+
 /// A ray under the light of a place near by.
 pub struct LocalScattering<'a> {
     air: &'a Air,
+    media: Vec<Term<'a>>,
     pattern: Option<Pattern<'a>>,
     tolerance: f64,
     origin: DVec3,
@@ -55,20 +131,22 @@ impl<'a> LocalScattering<'a> {
     ) -> Self {
         let foot = (position - origin).dot(direction);
         let aside = (position - origin).cross(direction).length();
-        let mut borders: Vec<f64> = air
+        let media: Vec<Term> = air
             .media
             .iter()
-            .filter_map(|medium| air.region(medium))
-            .flat_map(|region| {
-                let (enter, leave) = region.chord(origin, direction);
-                [enter, leave]
-            })
+            .filter_map(|medium| Term::new(air, medium, origin, direction, distance.min(FARTHEST)))
+            .collect();
+        let mut borders: Vec<f64> = media
+            .iter()
+            .flat_map(|term| &term.borders)
+            .copied()
             .chain(within(foot, aside, radius))
             .filter(|t| (0.0..=distance).contains(t))
             .collect();
         borders.sort_unstable_by(f64::total_cmp);
         LocalScattering {
             air,
+            media,
             pattern: None,
             tolerance: TOLERANCE,
             origin,
@@ -107,9 +185,10 @@ impl<'a> LocalScattering<'a> {
 
     fn part(&self, from: f64, to: f64) -> DVec3 {
         let angle = |t: f64| (t - self.foot).atan2(self.aside);
+        let place = |theta: f64| (self.foot + self.aside * theta.tan()).clamp(from, to);
         let middle = 0.5 * (from + to);
         let value = |theta: f64| {
-            let t = (self.foot + self.aside * theta.tan()).clamp(from, to);
+            let t = place(theta);
             let rate = self.aside + (t - self.foot).powi(2) / self.aside;
             rate * self.scattered(t, middle)
         };
@@ -122,9 +201,8 @@ impl<'a> LocalScattering<'a> {
             let (left, right) = (whole(a, m), whole(m, b));
             let finer = left + right;
             let off = (finer - found).abs().max_element();
-            if halvings == 0
-                || off <= self.tolerance * finer.abs().max_element().max(sum.max_element())
-            {
+            let agree = off <= self.tolerance * finer.abs().max_element().max(sum.max_element());
+            if halvings == 0 || (agree && !self.is_skin(place(a), place(b))) {
                 sum += finer;
             } else {
                 parts.push((a, m, left, halvings - 1));
@@ -132,6 +210,12 @@ impl<'a> LocalScattering<'a> {
             }
         }
         sum
+    }
+
+    /// Whether only the first skin of a part is seen: there quadratures may agree that they saw nothing.
+    fn is_skin(&self, from: f64, to: f64) -> bool {
+        let (first, last) = (self.eye_depth(from), self.eye_depth(to));
+        (0..3).any(|i| first[i] < OPAQUE && last[i] - first[i] > OPAQUE)
     }
 
     /// What the media send from a place of the ray for a luminous intensity of 1, in a part of the ray whose middle says which of
@@ -149,47 +233,32 @@ impl<'a> LocalScattering<'a> {
             return DVec3::ZERO;
         }
         let one_minus_mu = 0.5 * (self.direction - toward).length_squared();
-        let among = self.origin + middle * self.direction;
         let source: DVec3 = self
-            .air
             .media
             .iter()
-            .map(|medium| {
-                medium.scattering
-                    * medium.phase.value(one_minus_mu)
-                    * self.density(medium, point, among)
+            .map(|term| {
+                let medium = term.medium;
+                medium.scattering * (medium.phase.value(one_minus_mu) * term.density(t, middle))
             })
             .sum();
-        let depth = self.air.optical_depth(self.origin, self.direction, t)
-            + self.air.optical_depth(point, toward, distance);
+        if source == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let depth = self.eye_depth(t) + self.air.optical_depth(point, toward, distance);
         shape * source * (-depth).exp() / square
     }
 
-    /// Of a medium at a point [1], relative to where its coefficients are those given.
-    fn density(&self, medium: &Medium, point: DVec3, among: DVec3) -> f64 {
-        match (self.air.region(medium), medium.shape) {
-            (Some(region), _) => {
-                let inside = among.cmpge(region.min).all() && among.cmple(region.max).all();
-                f64::from(u8::from(inside))
-            }
-            (
-                None,
-                Shape::Height {
-                    base, scale_height, ..
-                }
-                | Shape::Air {
-                    base, scale_height, ..
-                },
-            ) => (-(point.y - base) / scale_height).exp(),
-            (None, _) => 0.0,
-        }
+    /// Optical depth from the eye to a place of the ray [1].
+    fn eye_depth(&self, t: f64) -> DVec3 {
+        self.media.iter().map(|term| term.depth(t)).sum()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::medium::{Phase, Scattering};
+    use crate::beam::Beam;
+    use crate::medium::{Phase, Scattering, Shape};
     use std::f64::consts::PI;
 
     fn cube(scattering: f64, absorption: f64) -> Air {

@@ -12,6 +12,7 @@ pub mod cut_out;
 pub mod disc;
 pub mod edges;
 mod fan;
+mod filling;
 pub mod framing;
 pub mod geometry;
 mod gltf;
