@@ -517,9 +517,8 @@ fn thick_and_empty_media_give_what_is_due() {
             }
         }
     }
-    // Of a flat one exactly so.
     let beam = Beam::parallel(toward, DVec3::ONE);
-    let wave = vec![Wave::new(1e-9, 2.0, 0.0, 0.0)];
+    let wave = vec![Wave::new(1e-9, 2.0, 0.0, 0.0)]; // flat, all but
     let flat = air(vec![fog(
         layer_of(1.1, wave, None),
         1e4,
@@ -552,7 +551,6 @@ fn a_layer_without_waves_is_haze() {
     };
     let haze = court(vec![rgb(Shape::Haze { top: 1.2 })]);
     let still = vec![Wave::new(0.0, 2.0, 0.3, 0.4)];
-    // The floor's underside is the ground of the scene.
     let flat = court(vec![rgb(layer_of(1.2, still, Some(haze.air.ground)))]);
     for (origin, direction) in rays() {
         assert_eq!(

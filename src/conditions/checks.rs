@@ -119,7 +119,7 @@ fn layer(shape: &Shape, name: impl Fn(&str) -> String) -> Result<()> {
                 "give the distance from crest to crest, in metres",
             ));
         }
-        if !(wave.phase.abs() <= 1e6) {
+        if wave.phase.is_nan() || wave.phase.abs() > 1e6 {
             return Err(Error::domain(
                 name("phase"),
                 format!("{} degrees", wave.phase / DEG),
