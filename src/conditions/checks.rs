@@ -5,7 +5,7 @@ use crate::medium::{ClearAir, Fog, Medium, Phase, Shape};
 use crate::scene::{Camera, Ground, Projection, SunEntry};
 use crate::units::DEG;
 use glam::DVec3;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Checks a medium's numbers.
 pub(super) fn medium(index: usize, medium: &Medium, ground: f64) -> Result<()> {
@@ -59,9 +59,138 @@ pub(super) fn medium(index: usize, medium: &Medium, ground: f64) -> Result<()> {
                 "8000 m is the scale height of clear air, 1200 m that of haze",
             ))
         }
+        Shape::Layer { .. } => layer(&medium.shape, name),
+        Shape::Ellipsoid { .. } => ellipsoid(&medium.shape, name),
         _ => Ok(()),
     }
 }
+
+/// The shortest and the longest wave of a layer [m].
+const WAVELENGTHS: [f64; 2] = [1e-3, 1e9];
+
+/// The most waves of a layer.
+const MOST_WAVES: usize = 64;
+
+/// Checks the numbers of a layer, named by `name`.
+fn layer(shape: &Shape, name: impl Fn(&str) -> String) -> Result<()> {
+    let Shape::Layer {
+        top,
+        waves,
+        bottom,
+        far,
+    } = shape
+    else {
+        return Ok(());
+    };
+    let is_height = |y: f64| y.abs() <= FARTHEST;
+    if !is_height(*top) {
+        return Err(Error::domain(
+            name("top"),
+            format!("{top} m"),
+            "-1e9 to 1e9 m",
+            "give the mean height of the boundary, in metres",
+        ));
+    }
+    if waves.len() > MOST_WAVES {
+        return Err(Error::domain(
+            name("waves"),
+            waves.len(),
+            format!("at most {MOST_WAVES}"),
+            "leave out the smallest",
+        ));
+    }
+    for (number, wave) in (1..).zip(waves) {
+        let name = |key: &str| name(&format!("wave {number}: {key}"));
+        if !is_height(wave.amplitude) {
+            return Err(Error::domain(
+                name("amplitude"),
+                format!("{} m", wave.amplitude),
+                "-1e9 to 1e9 m",
+                "give how far the boundary rises above its mean, in metres",
+            ));
+        }
+        let wavelength = TAU / wave.vector.length();
+        // Rounding may take a hair off.
+        if !(WAVELENGTHS[0] * (1.0 - 1e-9)..=WAVELENGTHS[1] * (1.0 + 1e-9)).contains(&wavelength) {
+            return Err(Error::domain(
+                name("wavelength"),
+                format!("{wavelength} m"),
+                format!("{} to {:e} m", WAVELENGTHS[0], WAVELENGTHS[1]),
+                "give the distance from crest to crest, in metres",
+            ));
+        }
+        if wave.phase.is_nan() || wave.phase.abs() > 1e6 {
+            return Err(Error::domain(
+                name("phase"),
+                format!("{} degrees", wave.phase / DEG),
+                "a turn or a few",
+                "0 to 360 degrees are all there are",
+            ));
+        }
+    }
+    let highest = top + waves.iter().map(|wave| wave.amplitude.abs()).sum::<f64>();
+    if let Some(bottom) = bottom
+        && !(is_height(*bottom) && *bottom < highest)
+    {
+        return Err(Error::domain(
+            name("bottom"),
+            format!("{bottom} m"),
+            format!("below the highest crest at {highest} m"),
+            "lower it, or leave it out: then the layer goes down without end",
+        ));
+    }
+    if !(far.is_finite() && *far > 0.0) {
+        return Err(Error::domain(
+            name("far"),
+            format!("{far} m"),
+            "above 0",
+            "100000 m is usual",
+        ));
+    }
+    Ok(())
+}
+
+/// Checks the numbers of an ellipsoid, named by `name`.
+fn ellipsoid(shape: &Shape, name: impl Fn(&str) -> String) -> Result<()> {
+    let Shape::Ellipsoid {
+        center,
+        radii,
+        rotation,
+        ..
+    } = shape
+    else {
+        return Ok(());
+    };
+    if !near(*center) {
+        return Err(Error::domain(
+            name("center"),
+            format!("{center} m"),
+            "-1e9 to 1e9 m in each coordinate",
+            "give metres in the scene's axes",
+        ));
+    }
+    let is_radius = |r: f64| (RADII[0]..=RADII[1]).contains(&r);
+    if !radii.to_array().into_iter().all(is_radius) {
+        return Err(Error::domain(
+            name("radii"),
+            format!("{radii} m"),
+            format!("{:e} to {:e} m", RADII[0], RADII[1]),
+            "give half of each axis, in metres",
+        ));
+    }
+    if !(rotation.is_finite() && rotation.is_normalized()) {
+        return Err(Error::domain(
+            name("rotation"),
+            rotation,
+            "a rotation",
+            "give a unit quaternion",
+        ));
+    }
+    Ok(())
+}
+
+/// The least and the greatest half axis of an ellipsoid [m].
+const RADII: [f64; 2] = [1e-6, 1e9];
 
 /// Checks a phase function's numbers, named by `name`.
 fn phase(phase: &Phase, name: impl Fn(&str) -> String) -> Result<()> {

@@ -114,15 +114,11 @@ impl Conditions {
             .media
             .iter()
             .map(|medium| {
-                let length = match medium.shape {
-                    Shape::Box { min, max } => (max - min).length(),
-                    Shape::Haze { .. } | Shape::Height { .. } | Shape::Air { .. } => f64::INFINITY,
-                };
                 let extinction = medium.extinction().max_element();
                 if extinction == 0.0 {
                     0.0
                 } else {
-                    extinction * length
+                    extinction * medium.greatest_length()
                 }
             })
             .sum()
@@ -146,6 +142,10 @@ impl Conditions {
             count("haze", |s| matches!(s, Shape::Haze { .. })),
             count("air that thins with height", |s| {
                 matches!(s, Shape::Height { .. })
+            }),
+            count("a layer of fog", |s| matches!(s, Shape::Layer { .. })),
+            count("an ellipsoid of smoke", |s| {
+                matches!(s, Shape::Ellipsoid { .. })
             }),
         ]
         .into_iter()

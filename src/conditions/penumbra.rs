@@ -2,7 +2,6 @@
 
 use super::{Conditions, Input, Snapshot, spread};
 use crate::beam::Beam;
-use crate::medium::Shape;
 use crate::scene::Projection;
 use crate::scene::edges::Edges;
 use crate::scene::penumbra::SoftShade;
@@ -137,14 +136,14 @@ impl Conditions {
         let to_ground = self
             .ground
             .map(|ground| (middle.y + radius - ground.height).max(0.0) / lowest);
-        // Without ground, shadows end where boxes of air do, and are without end in other air.
-        let to_air = self.air.media.iter().map(|medium| match medium.shape {
-            Shape::Box { min, max } => {
+        // Without ground, shadows end where bounded air does, and are without end in other air.
+        let to_air = self.air.media.iter().map(|medium| match medium.bounds() {
+            Some([min, max]) => {
                 let far =
                     |i: usize| (down[i] * (min[i] - middle[i])).max(down[i] * (max[i] - middle[i]));
                 far(0) + far(1) + far(2)
             }
-            _ => f64::INFINITY,
+            None => f64::INFINITY,
         });
         let length = to_ground
             .unwrap_or_else(|| to_air.fold(0.0, f64::max))

@@ -54,16 +54,26 @@ fn of_ground(scene: &Scene) -> Option<Warning> {
     (!keys.is_empty()).then_some(Warning::UnusedGround { keys })
 }
 
-/// Media that neither scatter nor absorb, and boxes under the ground.
+/// The height above which a medium with an upper border is not [m].
+fn highest(medium: &Medium) -> f64 {
+    match &medium.shape {
+        Shape::Layer { top, waves, .. } => {
+            top + waves.iter().map(|wave| wave.amplitude.abs()).sum::<f64>()
+        }
+        _ => medium.bounds().map_or(f64::INFINITY, |[_, high]| high.y),
+    }
+}
+
+/// Media that neither scatter nor absorb, and those under the ground.
 fn of_media(scene: &Scene, ground: f64) -> Option<Warning> {
-    let why = |medium: &Medium| match medium.shape {
-        _ if medium.scattering == DVec3::ZERO && medium.absorption == DVec3::ZERO => {
-            Some("it neither scatters nor absorbs")
+    let why = |medium: &Medium| {
+        let has_effect = medium.extinction() != DVec3::ZERO;
+        let is_under = scene.ground.enabled && highest(medium) <= ground;
+        match (has_effect, is_under) {
+            (false, _) => Some("it neither scatters nor absorbs"),
+            (true, true) => Some("it lies under the ground"),
+            (true, false) => None,
         }
-        Shape::Box { max, .. } if scene.ground.enabled && max.y <= ground => {
-            Some("it lies under the ground")
-        }
-        _ => None,
     };
     let media: Vec<(usize, &'static str)> = (1..)
         .zip(&scene.media)

@@ -96,7 +96,7 @@ impl HeightTerm {
                 };
                 (base, scale_height, sun)
             }
-            Shape::Box { .. } | Shape::Haze { .. } => return None,
+            _ => return None,
         };
         Some(HeightTerm {
             profile: Height::new(base, scale_height, origin, direction),

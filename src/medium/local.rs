@@ -5,8 +5,11 @@
 //! dt / d^2 = d theta / h: in theta there is no peak however near the light is (Nishita, Miyawaki & Nakamae 1987; Pegoraro & Parker
 //! 2009). Between the faces of media the integrand is smooth: Gauss-Kronrod quadrature on parts that are halved until both rules agree.
 
+use super::body::Body;
 use super::exponential::kronrod;
-use super::{Air, FARTHEST, Medium, Shape};
+use super::height::HeightTerm;
+use super::line::Line;
+use super::{Air, FARTHEST, Medium};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -43,9 +46,79 @@ pub struct Pattern<'a> {
     pub detail: f64,
 }
 
+/// A medium along the ray.
+struct Term<'a> {
+    medium: &'a Medium,
+    extinction: DVec3,
+    profile: Profile,
+    /// Where it begins and ends along the ray, and between them often enough that no wave of it goes by unseen [m].
+    borders: Vec<f64>,
+}
+
+/// How dense a medium is along the ray.
+enum Profile {
+    Within(Line),
+    Thinning(HeightTerm),
+}
+
+impl<'a> Term<'a> {
+    fn new(
+        air: &Air,
+        medium: &'a Medium,
+        origin: DVec3,
+        direction: DVec3,
+        distance: f64,
+    ) -> Option<Self> {
+        let extinction = medium.extinction();
+        let mut borders = Vec::new();
+        let profile = match air.body(medium) {
+            Some(body) => {
+                let chords = body.chords(origin, direction, distance);
+                borders.extend(chords.iter().flat_map(|chord| [chord.from, chord.to]));
+                if let Body::Layer(layer) = body
+                    && let (Some(first), Some(last)) = (chords.first(), chords.last())
+                {
+                    borders.extend(layer.grid(first.from, last.to));
+                }
+                Profile::Within(Line::new(chords))
+            }
+            None => Profile::Thinning(HeightTerm::new(
+                medium,
+                origin,
+                direction,
+                DVec3::Y,
+                DVec3::ZERO,
+            )?),
+        };
+        Some(Term {
+            medium,
+            extinction,
+            profile,
+            borders,
+        })
+    }
+
+    /// Optical depth from the eye [1].
+    fn depth(&self, t: f64) -> DVec3 {
+        match &self.profile {
+            Profile::Within(line) => self.extinction * line.length(t),
+            Profile::Thinning(term) => term.eye_depth(t),
+        }
+    }
+
+    /// Density at `t`, in a part of the ray whose middle says whether it is there.
+    fn density(&self, t: f64, middle: f64) -> f64 {
+        match &self.profile {
+            Profile::Within(line) => line.density_beside(t, middle),
+            Profile::Thinning(term) => term.profile.density(t),
+        }
+    }
+}
+
 /// A ray under the light of a place near by.
 pub struct LocalScattering<'a> {
     air: &'a Air,
+    media: Vec<Term<'a>>,
     pattern: Option<Pattern<'a>>,
     tolerance: f64,
     origin: DVec3,
@@ -71,20 +144,22 @@ impl<'a> LocalScattering<'a> {
     ) -> Self {
         let foot = (position - origin).dot(direction);
         let aside = (position - origin).cross(direction).length();
-        let mut borders: Vec<f64> = air
+        let media: Vec<Term> = air
             .media
             .iter()
-            .filter_map(|medium| air.region(medium))
-            .flat_map(|region| {
-                let (enter, leave) = region.chord(origin, direction);
-                [enter, leave]
-            })
+            .filter_map(|medium| Term::new(air, medium, origin, direction, distance.min(FARTHEST)))
+            .collect();
+        let mut borders: Vec<f64> = media
+            .iter()
+            .flat_map(|term| &term.borders)
+            .copied()
             .chain(within(foot, aside, radius))
             .filter(|t| (0.0..=distance).contains(t))
             .collect();
         borders.sort_unstable_by(f64::total_cmp);
         LocalScattering {
             air,
+            media,
             pattern: None,
             tolerance: TOLERANCE,
             origin,
@@ -130,12 +205,6 @@ impl<'a> LocalScattering<'a> {
             let rate = self.aside + (t - self.foot).powi(2) / self.aside;
             rate * self.scattered(t, middle)
         };
-        let depth = |theta: f64| {
-            let depth = self
-                .air
-                .optical_depth(self.origin, self.direction, place(theta));
-            depth.min_element()
-        };
         let (first, last) = (angle(from), angle(to));
         // Nothing that is as wide as a half of a part falls between the points.
         let wide = self.pattern.map_or(PI, |pattern| pattern.detail);
@@ -150,11 +219,14 @@ impl<'a> LocalScattering<'a> {
             .map(|i| (cut(i), cut(i + 1), HALVINGS))
             .collect();
         while let Some((a, b, halvings)) = parts.pop() {
-            let before = depth(a);
-            if before > OPAQUE {
+            let (before, after) = (self.eye_depth(place(a)), self.eye_depth(place(b)));
+            if before.min_element() > OPAQUE {
                 continue;
             }
-            if halvings == 0 || depth(b).min(OPAQUE) - before <= STEEP {
+            // Where only the first skin of a part is seen, both rules may agree that they saw nothing.
+            let rise = |i: usize| after[i].min(OPAQUE) - before[i].min(OPAQUE);
+            let is_steep = (0..3).any(|i| rise(i) > STEEP);
+            if halvings == 0 || !is_steep {
                 let (found, off) = kronrod(a, b, &value);
                 scale = scale.max(found.max_element());
                 if halvings == 0 || off <= self.tolerance * scale.max(sum.max_element()) {
@@ -184,40 +256,24 @@ impl<'a> LocalScattering<'a> {
             return DVec3::ZERO;
         }
         let one_minus_mu = 0.5 * (self.direction - toward).length_squared();
-        let among = self.origin + middle * self.direction;
         let source: DVec3 = self
-            .air
             .media
             .iter()
-            .map(|medium| {
-                medium.scattering
-                    * medium.phase.value(one_minus_mu)
-                    * self.density(medium, point, among)
+            .map(|term| {
+                let medium = term.medium;
+                medium.scattering * (medium.phase.value(one_minus_mu) * term.density(t, middle))
             })
             .sum();
-        let depth = self.air.optical_depth(self.origin, self.direction, t)
-            + self.air.optical_depth(point, toward, distance);
+        if source == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let depth = self.eye_depth(t) + self.air.optical_depth(point, toward, distance);
         shape * source * (-depth).exp() / square
     }
 
-    /// Of a medium at a point [1], relative to where its coefficients are those given.
-    fn density(&self, medium: &Medium, point: DVec3, among: DVec3) -> f64 {
-        match (self.air.region(medium), medium.shape) {
-            (Some(region), _) => {
-                let inside = among.cmpge(region.min).all() && among.cmple(region.max).all();
-                f64::from(u8::from(inside))
-            }
-            (
-                None,
-                Shape::Height {
-                    base, scale_height, ..
-                }
-                | Shape::Air {
-                    base, scale_height, ..
-                },
-            ) => (-(point.y - base) / scale_height).exp(),
-            (None, _) => 0.0,
-        }
+    /// Optical depth from the eye to a place of the ray [1].
+    fn eye_depth(&self, t: f64) -> DVec3 {
+        self.media.iter().map(|term| term.depth(t)).sum()
     }
 }
 
@@ -225,7 +281,7 @@ impl<'a> LocalScattering<'a> {
 mod tests {
     use super::*;
     use crate::beam::Beam;
-    use crate::medium::{Phase, Scattering};
+    use crate::medium::{Phase, Scattering, Shape};
 
     fn cube(scattering: f64, absorption: f64) -> Air {
         Air {

@@ -13,9 +13,14 @@
 //!   through them, as it does beside it on a ray that meets a surface.
 
 mod airlight;
+mod body;
 pub mod clear;
+mod curved;
+mod ellipsoid;
 mod exponential;
 mod height;
+mod layer;
+mod line;
 mod local;
 mod phase;
 mod region;
@@ -28,13 +33,12 @@ pub use clear::ClearAir;
 pub use local::{LocalScattering, Pattern};
 pub use phase::{Fog, Phase};
 pub use scattering::Scattering;
-pub use shape::{FARTHEST, Medium, Shape};
+pub use shape::{Edge, FARTHEST, Medium, Shape, Wave};
 pub use sight::{Kind, Sight, kinds};
 
 use crate::beam::Beam;
 use glam::DVec3;
 use height::{Height, HeightTerm};
-use region::Region;
 
 /// The air of a scene: its media above its ground.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,17 +50,6 @@ pub struct Air {
 }
 
 impl Air {
-    fn region(&self, medium: &Medium) -> Option<Region> {
-        match medium.shape {
-            Shape::Box { min, max } => Some(Region { min, max }),
-            Shape::Haze { top } => Some(Region {
-                min: DVec3::new(f64::NEG_INFINITY, self.ground, f64::NEG_INFINITY),
-                max: DVec3::new(f64::INFINITY, top, f64::INFINITY),
-            }),
-            Shape::Height { .. } | Shape::Air { .. } => None,
-        }
-    }
-
     /// The media that take light from sky and disc: all but the clear air.
     pub fn before_sky(&self) -> Air {
         let mut air = self.clone();
@@ -66,8 +59,14 @@ impl Air {
 
     /// Extinction coefficient at a place [1/m].
     pub fn extinction_at(&self, point: DVec3) -> DVec3 {
-        let of = |medium: &Medium| match (self.region(medium), medium.shape) {
-            (Some(region), _) => f64::from(u8::from(region.holds(point))) * medium.extinction(),
+        let of = |medium: &Medium| self.density(medium, point) * medium.extinction();
+        self.media.iter().map(of).sum()
+    }
+
+    /// Of a medium at a place [1], relative to where its coefficients are those given.
+    fn density(&self, medium: &Medium, point: DVec3) -> f64 {
+        match (self.body(medium), &medium.shape) {
+            (Some(body), _) => body.density(point),
             (
                 None,
                 Shape::Height {
@@ -76,13 +75,9 @@ impl Air {
                 | Shape::Air {
                     base, scale_height, ..
                 },
-            ) => {
-                Height::new(base, scale_height, point, DVec3::ZERO).density(0.0)
-                    * medium.extinction()
-            }
-            (None, _) => DVec3::ZERO,
-        };
-        self.media.iter().map(of).sum()
+            ) => Height::new(*base, *scale_height, point, DVec3::ZERO).density(0.0),
+            (None, _) => 0.0,
+        }
     }
 
     /// The same air, without what depends on where the sun stands: how much of the clear air its light has come through.
@@ -119,13 +114,16 @@ impl Air {
     pub fn end(&self, ray_origin: DVec3, ray_direction: DVec3) -> f64 {
         self.media
             .iter()
-            .map(|medium| match (medium.shape, self.region(medium)) {
-                (Shape::Height { far, .. } | Shape::Air { far, .. }, _) => far,
-                (_, Some(region)) => {
-                    let (enter, leave) = region.chord(ray_origin, ray_direction);
-                    if leave > enter { leave } else { 0.0 }
+            .map(|medium| {
+                let within = self.body(medium);
+                let within =
+                    within.map_or(f64::INFINITY, |body| body.end(ray_origin, ray_direction));
+                match medium.shape {
+                    Shape::Height { far, .. }
+                    | Shape::Air { far, .. }
+                    | Shape::Layer { far, .. } => within.min(far),
+                    _ => within,
                 }
-                _ => 0.0,
             })
             .fold(0.0, f64::max)
             .min(FARTHEST)
@@ -133,11 +131,8 @@ impl Air {
 
     /// Optical depth of the first `distance` metres of a ray [1].
     pub fn optical_depth(&self, origin: DVec3, direction: DVec3, distance: f64) -> DVec3 {
-        let depth = |medium: &Medium| match self.region(medium) {
-            Some(region) => {
-                let (enter, leave) = region.chord(origin, direction);
-                medium.extinction() * (leave.min(distance) - enter).max(0.0)
-            }
+        let depth = |medium: &Medium| match self.body(medium) {
+            Some(body) => medium.extinction() * body.length(origin, direction, distance),
             None => HeightTerm::new(medium, origin, direction, DVec3::Y, DVec3::ZERO)
                 .map_or(DVec3::ZERO, |term| term.eye_depth(distance)),
         };
@@ -167,8 +162,11 @@ impl Air {
     }
 
     fn depth_beyond(&self, point: DVec3, toward: DVec3, counts: fn(&Medium) -> bool) -> DVec3 {
-        let depth = |medium: &Medium| match self.region(medium) {
-            Some(region) => medium.extinction() * region.depth(point, toward),
+        let depth = |medium: &Medium| match self.body(medium) {
+            Some(body) => {
+                let extinction = medium.extinction();
+                extinction * body.depth(point, toward, extinction)
+            }
             None => HeightTerm::new(medium, point, DVec3::X, toward, DVec3::ZERO)
                 .map_or(DVec3::ZERO, |term| term.sun_depth(0.0)),
         };

@@ -1,6 +1,8 @@
 //! Light scattered once toward the eye along one ray: the integral that every method takes over its lit runs.
 
 use super::Air;
+use super::body::Body;
+use super::curved::CurvedTerm;
 use super::exponential::{attenuated, exponential_integral, gauss};
 use super::height::HeightTerm;
 use super::local::LocalScattering;
@@ -18,18 +20,22 @@ struct Piece {
     slope: DVec3,
     /// Sum of scattering coefficient times phase function [1/(m sr)] of the homogeneous media.
     source: DVec3,
+    /// Whether a medium of curved borders is there, or between there and the sun.
+    is_curved: bool,
 }
 
 /// Light of a beam scattered once toward the eye along one ray, ready to be integrated over lit runs.
 ///
 /// The integrand is the sum over media of sigma_s p(mu) e^-(tau_eye + tau_sun). Homogeneous media make the exponent piecewise
 /// linear; a height medium alone has a closed form too (its exponent is linear in its own optical depth); mixtures are
-/// integrated by Gauss-Legendre quadrature on short enough parts.
+/// integrated by Gauss-Legendre quadrature on short enough parts. The depth through media of curved borders is exact at every place, but
+/// bends where the way to the sun begins to cross them once more: there parts are halved until they agree with their halves.
 ///
 /// Light of a local beam has no such forms: its integral is by quadrature throughout.
 pub struct Scattering<'a> {
     pieces: Vec<Piece>,
     heights: Vec<HeightTerm>,
+    curved: Vec<CurvedTerm<'a>>,
     local: Option<LocalScattering<'a>>,
 }
 
@@ -44,6 +50,7 @@ impl<'a> Scattering<'a> {
                 return Scattering {
                     pieces: Vec::new(),
                     heights: Vec::new(),
+                    curved: Vec::new(),
                     local: Some(LocalScattering::new(
                         air, origin, direction, distance, position, radius,
                     )),
@@ -56,13 +63,16 @@ impl<'a> Scattering<'a> {
         let across = direction.cross(toward_sun);
         let mut borders = vec![0.0, distance];
         let mut heights = Vec::new();
+        let mut curved: Vec<CurvedTerm> = Vec::new();
         let mut regions = Vec::new();
         let mut stretches = Vec::new();
         let mut own = Vec::new();
         for medium in &air.media {
             let source = medium.scattering * medium.phase.value(one_minus_mu);
-            let region = air.region(medium);
-            if let Some(region) = region.filter(|region| region.meets(origin, across)) {
+            let body = air.body(medium);
+            if let Some(Body::Region(region)) = body
+                && region.meets(origin, across)
+            {
                 own.clear();
                 own.extend([0.0, distance]);
                 region.bends(origin, direction, toward_sun, &mut own);
@@ -85,6 +95,12 @@ impl<'a> Scattering<'a> {
                     borders.extend_from_slice(&own);
                     regions.push((region, medium.extinction(), source));
                 }
+            }
+            if let Some(body) = body {
+                let ray = [origin, direction];
+                let term = CurvedTerm::new(medium, body, ray, distance, toward_sun, source);
+                borders.extend(term.iter().flat_map(|term| &term.borders));
+                curved.extend(term);
             }
             heights.extend(HeightTerm::new(
                 medium, origin, direction, toward_sun, source,
@@ -116,6 +132,7 @@ impl<'a> Scattering<'a> {
                 depth: eye_depth,
                 slope: DVec3::ZERO,
                 source: DVec3::ZERO,
+                is_curved: curved.iter().any(|term| term.reaches(from + 0.5 * length)),
             };
             // Both samples lie inside the piece: at its ends the depth may jump (a face parallel to the sun's rays).
             let inner = [0.25, 0.75].map(|f| origin + (from + f * length) * direction);
@@ -137,6 +154,7 @@ impl<'a> Scattering<'a> {
         Scattering {
             pieces,
             heights,
+            curved,
             local: None,
         }
     }
@@ -177,6 +195,10 @@ impl<'a> Scattering<'a> {
             return DVec3::ZERO;
         };
         let length = to - from;
+        if piece.is_curved {
+            let share = |t: f64| between(nodes, shares, (t - from) / length);
+            return self.settled(piece, from, to, &share);
+        }
         let densities = |t: f64| self.heights.iter().map(move |h| h.profile.density(t));
         let mut parts = vec![(0.0, 1.0, 32u32)];
         let mut sum = DVec3::ZERO;
@@ -214,10 +236,21 @@ impl<'a> Scattering<'a> {
     }
 
     fn integrate_piece(&self, piece: &Piece, a: f64, b: f64) -> DVec3 {
-        let start = piece.depth + piece.slope * (a - piece.from);
+        let mut start = piece.depth + piece.slope * (a - piece.from);
+        let middle = 0.5 * (piece.from + piece.to);
         let dark = |term: &HeightTerm| term.source == DVec3::ZERO;
-        if piece.source == DVec3::ZERO && self.heights.iter().all(dark) {
+        let scatters = |term: &CurvedTerm| term.source != DVec3::ZERO && term.density(middle) > 0.0;
+        if piece.source == DVec3::ZERO
+            && self.heights.iter().all(dark)
+            && !self.curved.iter().any(scatters)
+        {
             return DVec3::ZERO;
+        }
+        if piece.is_curved {
+            return self.settled(piece, a, b, &|_| DVec3::ONE);
+        }
+        for term in &self.curved {
+            start += term.eye_depth(middle);
         }
         if self.heights.is_empty() {
             let channel =
@@ -242,6 +275,15 @@ impl<'a> Scattering<'a> {
 
     /// Optical depth from the eye to the point at `t` and on to the sun.
     fn depth(&self, piece: &Piece, t: f64) -> DVec3 {
+        let curved = self.curved.iter().map(|term| match piece.is_curved {
+            true => term.depth(t),
+            false => term.eye_depth(t),
+        });
+        self.depth_of_even(piece, t) + curved.sum::<DVec3>()
+    }
+
+    /// That of all media but those of curved borders.
+    fn depth_of_even(&self, piece: &Piece, t: f64) -> DVec3 {
         let homogeneous = piece.depth + piece.slope * (t - piece.from);
         self.heights
             .iter()
@@ -252,7 +294,70 @@ impl<'a> Scattering<'a> {
         let source = self.heights.iter().fold(piece.source, |source, term| {
             source + term.source * term.profile.density(t)
         });
+        let source = self.curved.iter().fold(source, |source, term| {
+            source + term.source * term.density(t)
+        });
+        if source == DVec3::ZERO {
+            return source;
+        }
         attenuated(source, self.depth(piece, t))
+    }
+
+    /// The integral of the integrand times a weight over a part of a piece with curved borders: Gauss-Legendre quadrature on parts
+    /// that are halved until they agree with their halves, and until no depth changes by much in one.
+    fn settled(&self, piece: &Piece, a: f64, b: f64, weight: &dyn Fn(f64) -> DVec3) -> DVec3 {
+        let mut ends = vec![a, b];
+        for term in self.curved.iter() {
+            ends.extend(term.cuts(a, b));
+        }
+        ends.sort_unstable_by(f64::total_cmp);
+        let whole = |from: f64, to: f64| {
+            gauss(from, to, &|t| match self.integrand(piece, t) {
+                DVec3::ZERO => DVec3::ZERO,
+                light => weight(t) * light,
+            })
+        };
+        let mut parts: Vec<(f64, f64, DVec3, u32)> = ends
+            .windows(2)
+            .filter(|pair| pair[1] > pair[0])
+            .take_while(|pair| self.least_depth(piece, pair[0], b).min_element() < OPAQUE)
+            .map(|pair| (pair[0], pair[1], whole(pair[0], pair[1]), HALVINGS))
+            .collect();
+        let roughly: DVec3 = parts.iter().map(|(.., found, _)| *found).sum();
+        let mut left_over = MOST_PARTS;
+        let mut sum = DVec3::ZERO;
+        while let Some((from, to, found, halvings)) = parts.pop() {
+            let seen = self
+                .least_depth(piece, from, to)
+                .cmplt(DVec3::splat(OPAQUE));
+            if !seen.any() {
+                continue;
+            }
+            left_over = usize::saturating_sub(left_over, 1);
+            let middle = 0.5 * (from + to);
+            let (left, right) = (whole(from, middle), whole(middle, to));
+            let finer = left + right;
+            let off = (finer - found).abs().max_element();
+            let (first, last) = (self.depth(piece, from), self.depth(piece, to));
+            let uneven = (0..3).any(|i| {
+                seen.test(i) && first[i].min(last[i]) < OPAQUE && (last[i] - first[i]).abs() > 2.0
+            });
+            let most = roughly.max(sum).max(finer).max_element();
+            if halvings == 0 || left_over == 0 || (off <= SETTLED * most && !uneven) {
+                sum += finer;
+                continue;
+            }
+            parts.push((middle, to, right, halvings - 1));
+            parts.push((from, middle, left, halvings - 1));
+        }
+        sum
+    }
+
+    /// No depth on a part of a piece is less: that of media with curved borders grows from the eye, others have theirs at an end.
+    fn least_depth(&self, piece: &Piece, from: f64, to: f64) -> DVec3 {
+        let ends = [from, to].map(|t| self.depth_of_even(piece, t));
+        let curved = self.curved.iter().map(|term| term.eye_depth(from));
+        ends[0].min(ends[1]) + curved.sum::<DVec3>()
     }
 
     /// Gauss-Legendre quadrature on parts over which neither the optical depth nor a density changes by more than a factor
@@ -298,6 +403,15 @@ fn between<const N: usize>(nodes: &[(f64, f64); N], values: &[DVec3; N], place: 
     let sum: DVec3 = (0..N).map(|i| weight(i) * values[i]).sum();
     sum.max(DVec3::ZERO)
 }
+
+/// Parts whose halves agree to this share of the whole are not halved any more.
+const SETTLED: f64 = 1e-6;
+
+/// After so many parts none is halved any more: light that comes level through thousands of waves.
+const MOST_PARTS: usize = 1 << 14;
+
+/// A part is halved at most so often for its own sake.
+const HALVINGS: u32 = 48;
 
 /// An optical depth through which nothing is seen: e^-100 of the sun is less than a photon.
 const OPAQUE: f64 = 100.0;

@@ -9,11 +9,12 @@
 //! tau piecewise linear and a height medium alone has a closed form too; where both meet, or two that thin with height,
 //! Gauss-Legendre quadrature is taken on short enough parts, as in [`super::Scattering`].
 
+use super::Air;
 use super::exponential::{NODES, exponential_integral, phi1};
 use super::height::Height;
+use super::line::Chord;
 use super::phase::Phase;
 use super::shape::{FARTHEST, Medium, Shape};
-use super::{Air, region::Region};
 use glam::DVec3;
 
 /// Media that send on light alike: of the same phase function, and either all clear air or none.
@@ -46,10 +47,46 @@ pub fn kinds(air: &Air) -> Vec<Kind> {
     kinds
 }
 
-/// A medium along a ray that thins with height.
+/// How dense a medium is along a ray that is not as dense everywhere.
+#[derive(Debug, Clone, Copy)]
+enum Profile {
+    Height(Height),
+    Smoke(Chord),
+}
+
+impl Profile {
+    fn density(&self, t: f64) -> f64 {
+        match self {
+            Profile::Height(height) => height.density(t),
+            Profile::Smoke(chord) if t < chord.from || t > chord.to => 0.0,
+            Profile::Smoke(chord) => chord.density(t),
+        }
+    }
+
+    /// Integral of the density between two distances [m].
+    fn length(&self, from: f64, to: f64) -> f64 {
+        match self {
+            Profile::Height(height) => height.length(from, to),
+            Profile::Smoke(chord) => chord.length(from, to),
+        }
+    }
+
+    /// Whether quadrature on a part needs it shorter.
+    fn is_steep(&self, from: f64, to: f64) -> bool {
+        match self {
+            Profile::Height(height) => {
+                let (p, q) = (height.density(from), height.density(to));
+                p.max(q) > std::f64::consts::E * p.min(q)
+            }
+            Profile::Smoke(_) => false,
+        }
+    }
+}
+
+/// A medium along a ray that thins with height, or toward its rim.
 #[derive(Debug, Clone, Copy)]
 struct Thinning {
-    profile: Height,
+    profile: Profile,
     extinction: DVec3,
     scattering: DVec3,
     kind: Option<usize>,
@@ -77,7 +114,9 @@ struct Stretch {
 #[derive(Debug, Clone)]
 pub struct Sight {
     kinds: usize,
-    media: Vec<(Medium, Option<usize>, Option<Region>)>,
+    air: Air,
+    /// Which kind each medium is, if it scatters.
+    media: Vec<Option<usize>>,
     thinning: Vec<Thinning>,
     pieces: Vec<Piece>,
     /// Of each piece, one after another, the scattering coefficient of each kind among the homogeneous media [1/m].
@@ -98,11 +137,8 @@ impl Sight {
         };
         Sight {
             kinds: kinds.len(),
-            media: air
-                .media
-                .iter()
-                .map(|medium| (medium.clone(), kind_of(medium), air.region(medium)))
-                .collect(),
+            media: air.media.iter().map(kind_of).collect(),
+            air: air.clone(),
             thinning: Vec::new(),
             pieces: Vec::new(),
             scattering: Vec::new(),
@@ -123,35 +159,34 @@ impl Sight {
         self.stretches.clear();
         self.borders.clear();
         self.borders.extend([0.0, distance]);
-        for (number, (medium, kind, region)) in self.media.iter().enumerate() {
-            match (region, medium.shape) {
-                (Some(region), _) => {
-                    let (enter, leave) = region.chord(origin, direction);
-                    let leave = leave.min(distance);
-                    if leave > enter {
-                        self.borders.extend([enter, leave]);
-                        self.stretches.push(Stretch {
-                            from: enter,
-                            to: leave,
+        for (number, (medium, kind)) in self.air.media.iter().zip(&self.media).enumerate() {
+            let thinning = |profile| Thinning {
+                profile,
+                extinction: medium.extinction(),
+                scattering: medium.scattering,
+                kind: *kind,
+            };
+            if let Some(body) = self.air.body(medium) {
+                for chord in body.chords(origin, direction, distance) {
+                    self.borders.extend([chord.from, chord.to]);
+                    match chord.bulge {
+                        Some(_) => self.thinning.push(thinning(Profile::Smoke(chord))),
+                        None => self.stretches.push(Stretch {
+                            from: chord.from,
+                            to: chord.to,
                             medium: number,
-                        });
+                        }),
                     }
                 }
-                (
-                    None,
-                    Shape::Height {
-                        base, scale_height, ..
-                    }
-                    | Shape::Air {
-                        base, scale_height, ..
-                    },
-                ) => self.thinning.push(Thinning {
-                    profile: Height::new(base, scale_height, origin, direction),
-                    extinction: medium.extinction(),
-                    scattering: medium.scattering,
-                    kind: *kind,
-                }),
-                (None, _) => {}
+            } else if let Shape::Height {
+                base, scale_height, ..
+            }
+            | Shape::Air {
+                base, scale_height, ..
+            } = medium.shape
+            {
+                let height = Height::new(base, scale_height, origin, direction);
+                self.thinning.push(thinning(Profile::Height(height)));
             }
         }
         self.borders.sort_unstable_by(f64::total_cmp);
@@ -182,7 +217,8 @@ impl Sight {
             self.scattering.resize(first + self.kinds, DVec3::ZERO);
             let mut slope = DVec3::ZERO;
             for stretch in &present {
-                let (medium, kind, _) = &self.media[stretch.medium];
+                let medium = &self.air.media[stretch.medium];
+                let kind = &self.media[stretch.medium];
                 slope += medium.extinction();
                 if let Some(kind) = kind {
                     self.scattering[first + kind] += medium.scattering;
@@ -267,10 +303,8 @@ impl Sight {
                 continue;
             }
             let uneven = (0..3).any(|i| first[i] < OPAQUE && last[i] - first[i] > 1.0);
-            let steep = self.thinning.iter().any(|thinning| {
-                let (p, q) = (thinning.profile.density(from), thinning.profile.density(to));
-                p.max(q) > std::f64::consts::E * p.min(q)
-            });
+            let mut thinning = self.thinning.iter();
+            let steep = thinning.any(|thinning| thinning.profile.is_steep(from, to));
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
             if halvings > 0 && (uneven || steep) {
                 parts.push((from, middle, halvings - 1));
@@ -356,7 +390,7 @@ mod tests {
                     DVec3::ZERO,
                     Phase::Isotropic,
                 ),
-                medium(thinning, 0.5 * GREY, 0.1 * GREY, Phase::Rayleigh),
+                medium(thinning.clone(), 0.5 * GREY, 0.1 * GREY, Phase::Rayleigh),
                 medium(air(20.0), 0.1 * GREY, DVec3::ZERO, Phase::Rayleigh),
                 medium(thinning, DVec3::ZERO, 0.1 * GREY, Phase::Rayleigh),
             ],

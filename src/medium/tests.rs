@@ -13,6 +13,7 @@ fn midpoint(air: &Air, o: DVec3, r: DVec3, a: f64, b: f64, sun: DVec3, n: usize)
             let mut source = DVec3::ZERO;
             for medium in &air.media {
                 let density = match medium.shape {
+                    Shape::Layer { .. } | Shape::Ellipsoid { .. } => air.density(medium, p),
                     Shape::Box { min, max } => {
                         f64::from(u8::from(p.cmpge(min).all() && p.cmple(max).all()))
                     }
@@ -56,9 +57,9 @@ fn pieces_agree_with_the_definition_for_boxes_haze_and_height() {
     let grey = DVec3::splat(0.04);
     let colored = DVec3::new(0.02, 0.05, 0.11);
     let airs = [
-        vec![medium(room, grey)],
+        vec![medium(room.clone(), grey)],
         vec![medium(Shape::Haze { top: 6.0 }, colored)],
-        vec![medium(height, colored)],
+        vec![medium(height.clone(), colored)],
         vec![
             medium(room, grey),
             medium(Shape::Haze { top: 3.0 }, colored),

@@ -9,6 +9,7 @@ use crate::conditions::Conditions;
 use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Pass, Settings, When};
 use crate::error::{Error, Result, nearest};
 use crate::frame::Part;
+use crate::medium::Medium;
 
 /// How much accuracy is paid for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,6 +97,9 @@ const MOST_MEDIA: usize = 16;
 
 /// Why an effect that has passes is left to its reference, if it is.
 fn left_to_reference(effect: &Effect, conditions: &Conditions) -> Option<&'static str> {
+    if asks_media(effect) && conditions.air.media.iter().any(Medium::is_curved) {
+        return Some("the borders of a layer or an ellipsoid are curved");
+    }
     let for_beams = |pass: &Pass| matches!(pass.when, When::EachBeam(_));
     if !effect.passes.iter().any(for_beams) {
         return None;
@@ -108,6 +112,14 @@ fn left_to_reference(effect: &Effect, conditions: &Conditions) -> Option<&'stati
         effect.writes.contains(&Field::InscatterSun) || effect.alters.contains(&Field::Background);
     let many = conditions.air.media.len() > MOST_MEDIA;
     (in_air && many).then_some("there are more than 16 media")
+}
+
+/// Whether an effect's passes ask what fills the air: on rays from the eye, or on the sun's way to surfaces and to the sky.
+fn asks_media(effect: &Effect) -> bool {
+    let of_air =
+        |field: &Field| matches!(field.part(), Part::Air | Part::Share) || *field == Field::Sun;
+    !effect.passes.is_empty()
+        && (effect.writes.iter().any(of_air) || effect.alters.contains(&Field::Background))
 }
 
 /// Which effects are run, in their order.

@@ -13,6 +13,7 @@ pub mod disc;
 pub mod edges;
 pub mod ends;
 mod fan;
+mod filling;
 pub mod framing;
 pub mod geometry;
 mod gltf;

@@ -4,11 +4,11 @@
 //! checked against that schema ([`super::check`]), and then read into them.
 
 use super::camera::{Camera, Projection};
+use super::filling::{Filling, MediumTable};
 use super::lamp::LightTable;
 use super::placement::{self, Placement};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
 use crate::error::{Error, Result};
-use crate::medium::{ClearAir, Medium, Phase, Shape};
 use crate::units::DEG;
 use glam::{DVec2, DVec3};
 use schemars::JsonSchema;
@@ -158,126 +158,6 @@ struct GroundTable {
     albedo: Option<f64>,
 }
 
-/// What fills the air, by its shape.
-#[derive(Deserialize, JsonSchema)]
-#[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
-enum MediumTable {
-    /// Homogeneous inside a box; sunlight is attenuated from the box's face.
-    Box {
-        /// The corner of least coordinates [m].
-        min: [f64; 3],
-        /// The corner of greatest coordinates [m].
-        max: [f64; 3],
-        /// Scattering coefficient [1/m], a number or [R, G, B].
-        scattering: Coefficient,
-        /// Absorption coefficient [1/m], a number or [R, G, B]; 0 when absent.
-        absorption: Option<Coefficient>,
-        /// Isotropic when absent.
-        phase: Option<PhaseTable>,
-    },
-    /// Homogeneous from the ground up; sunlight is attenuated from the top along the slant.
-    Haze {
-        /// Height of the upper boundary [m].
-        top: f64,
-        /// Scattering coefficient [1/m], a number or [R, G, B].
-        scattering: Coefficient,
-        /// Absorption coefficient [1/m], a number or [R, G, B]; 0 when absent.
-        absorption: Option<Coefficient>,
-        /// Isotropic when absent.
-        phase: Option<PhaseTable>,
-    },
-    /// Coefficients that fall as exp(-(y - base) / scale_height) over a flat earth.
-    Height {
-        /// Height at which the coefficients are those given [m]; 0 when absent.
-        base: Option<f64>,
-        /// Height over which they fall by a factor e [m].
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
-        scale_height: f64,
-        /// Where rays that meet nothing end [m].
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
-        far: f64,
-        /// Scattering coefficient [1/m], a number or [R, G, B].
-        scattering: Coefficient,
-        /// Absorption coefficient [1/m], a number or [R, G, B]; 0 when absent.
-        absorption: Option<Coefficient>,
-        /// Isotropic when absent.
-        phase: Option<PhaseTable>,
-    },
-    /// The clear air between the eye and what it sees: molecules and aerosol, both thinning with height. Sun and sky hold its
-    /// light already: rays that meet nothing gain none by it, and lose what geometry shadows.
-    Air {
-        /// Turbidity [1]; the sky's when absent.
-        #[schemars(range(min = 1.0, max = 20.0))]
-        turbidity: Option<f64>,
-        /// Height in the scene of the site to which sun, sky and coefficients belong [m]; the ground's when absent.
-        #[schemars(extend("x-unit" = "m"))]
-        base: Option<f64>,
-        /// Where rays that meet nothing end [m]; 100 000 when absent.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
-        far: Option<f64>,
-        /// Height over which the molecules fall by a factor e [m]; 8 434 when absent.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
-        scale_height: Option<f64>,
-        /// Height over which the aerosol falls by a factor e [m]; 1 200 when absent.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
-        aerosol_scale_height: Option<f64>,
-        /// Share of the aerosol's extinction that is scattering; 0.925 when absent.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        aerosol_albedo: Option<f64>,
-        /// The aerosol's; Henyey-Greenstein with g = 0.703 when absent. Molecules follow Rayleigh.
-        phase: Option<PhaseTable>,
-    },
-}
-
-/// A coefficient [1/m], the same for all colours or one for each channel of the working space.
-#[derive(Deserialize, JsonSchema, Clone, Copy)]
-#[serde(untagged)]
-enum Coefficient {
-    Gray(#[schemars(range(min = 0.0), extend("x-unit" = "1/m"))] f64),
-    Rgb(#[schemars(inner(range(min = 0.0)))] [f64; 3]),
-}
-
-/// How scattered light spreads over directions.
-#[derive(Deserialize, JsonSchema, Clone, Copy)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-enum PhaseTable {
-    /// The same in every direction.
-    Isotropic {},
-    /// Molecules.
-    Rayleigh {},
-    /// Henyey & Greenstein 1941.
-    HenyeyGreenstein {
-        /// Mean cosine; above 0 is forward.
-        #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 1.0))]
-        g: f64,
-    },
-    /// Cornette & Shanks 1992.
-    CornetteShanks {
-        /// Parameter; above 0 is forward.
-        #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 1.0))]
-        g: f64,
-    },
-    /// Nishita et al. 1987, hazy.
-    NishitaHazy {},
-    /// Nishita et al. 1987, murky.
-    NishitaMurky {},
-    /// Draine 2003.
-    Draine {
-        /// Parameter; above 0 is forward.
-        #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 1.0))]
-        g: f64,
-        /// Weight of the squared cosine: 0 is Henyey-Greenstein, 1 Cornette-Shanks.
-        #[schemars(range(min = 0.0, max = 1e6))]
-        a: f64,
-    },
-    /// Water droplets, Jendersie & d'Eon 2023.
-    Fog {
-        /// Diameter of the droplets [micrometres].
-        #[schemars(range(min = 0.01, max = 50.0), extend("x-unit" = "um"))]
-        droplet_um: f64,
-    },
-}
-
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PictureTable {
@@ -418,7 +298,7 @@ pub(super) fn load(
     Ok(scene)
 }
 
-type Wrong<'a> = &'a dyn Fn(&str, String, &str) -> Error;
+pub(super) type Wrong<'a> = &'a dyn Fn(&str, String, &str) -> Error;
 
 impl CameraTable {
     fn read(&self, wrong: Wrong) -> Result<Camera> {
@@ -485,111 +365,5 @@ impl CameraTable {
             projection,
             shift,
         })
-    }
-}
-
-impl Coefficient {
-    fn rgb(self) -> DVec3 {
-        match self {
-            Coefficient::Gray(c) => DVec3::splat(c),
-            Coefficient::Rgb(c) => DVec3::from_array(c),
-        }
-    }
-}
-
-impl PhaseTable {
-    fn read(self) -> Phase {
-        match self {
-            PhaseTable::Isotropic {} => Phase::Isotropic,
-            PhaseTable::Rayleigh {} => Phase::Rayleigh,
-            PhaseTable::HenyeyGreenstein { g } => Phase::HenyeyGreenstein { g },
-            PhaseTable::CornetteShanks { g } => Phase::CornetteShanks { g },
-            PhaseTable::NishitaHazy {} => Phase::NishitaHazy,
-            PhaseTable::NishitaMurky {} => Phase::NishitaMurky,
-            PhaseTable::Draine { g, a } => Phase::Draine { g, a },
-            PhaseTable::Fog { droplet_um } => Phase::Fog {
-                droplet: 1e-6 * droplet_um,
-            },
-        }
-    }
-}
-
-/// What a `[[medium]]` is.
-enum Filling {
-    Medium(Medium),
-    Air(ClearAir),
-}
-
-impl MediumTable {
-    fn read(self, wrong: Wrong) -> Result<Filling> {
-        let (shape, scattering, absorption, phase) = match self {
-            MediumTable::Air {
-                turbidity,
-                base,
-                far,
-                scale_height,
-                aerosol_scale_height,
-                aerosol_albedo,
-                phase,
-            } => {
-                let default = ClearAir::default();
-                return Ok(Filling::Air(ClearAir {
-                    turbidity,
-                    base,
-                    far: far.unwrap_or(default.far),
-                    molecules_scale_height: scale_height.unwrap_or(default.molecules_scale_height),
-                    aerosol_scale_height: aerosol_scale_height
-                        .unwrap_or(default.aerosol_scale_height),
-                    aerosol_albedo: aerosol_albedo.unwrap_or(default.aerosol_albedo),
-                    aerosol_phase: phase.map_or(default.aerosol_phase, PhaseTable::read),
-                }));
-            }
-            MediumTable::Box {
-                min,
-                max,
-                scattering,
-                absorption,
-                phase,
-            } => {
-                let (min, max) = (DVec3::from_array(min), DVec3::from_array(max));
-                if !min.cmplt(max).all() {
-                    return Err(wrong(
-                        "max",
-                        format!("the box from {min} to {max} holds nothing"),
-                        "let each number of max be greater than that of min",
-                    ));
-                }
-                (Shape::Box { min, max }, scattering, absorption, phase)
-            }
-            MediumTable::Haze {
-                top,
-                scattering,
-                absorption,
-                phase,
-            } => (Shape::Haze { top }, scattering, absorption, phase),
-            MediumTable::Height {
-                base,
-                scale_height,
-                far,
-                scattering,
-                absorption,
-                phase,
-            } => (
-                Shape::Height {
-                    base: base.unwrap_or(0.0),
-                    scale_height,
-                    far,
-                },
-                scattering,
-                absorption,
-                phase,
-            ),
-        };
-        Ok(Filling::Medium(Medium {
-            shape,
-            scattering: scattering.rgb(),
-            absorption: absorption.map_or(DVec3::ZERO, Coefficient::rgb),
-            phase: phase.map_or(Phase::Isotropic, PhaseTable::read),
-        }))
     }
 }

@@ -441,6 +441,10 @@ pub fn media(conditions: &Conditions) -> Vec<shared::Medium> {
             };
             put_phase(&mut shared, &medium.phase);
             match medium.shape {
+                // What asks for these is done by the reference.
+                Shape::Layer { .. } | Shape::Ellipsoid { .. } => {
+                    shared = shared::Medium::default();
+                }
                 Shape::Box { min, max } => {
                     shared.shape = shared::BOX;
                     shared.least = (min - eye).as_vec3();

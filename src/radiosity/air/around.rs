@@ -3,7 +3,6 @@
 use super::enclosed::{Enclosed, smooth};
 use super::open::OpenAir;
 use crate::conditions::Conditions;
-use crate::medium::Shape;
 use glam::DVec3;
 
 /// So many diagonals of the bounds away from them the scene begins to be left out, and so many farther it is.
@@ -48,7 +47,7 @@ impl Around {
     }
 }
 
-/// The least box around everything that stands in the air, triangles and boxes of media; `None` if nothing does.
+/// The least box around everything that stands in the air, triangles and bounded media; `None` if nothing does.
 pub fn bounds(conditions: &Conditions) -> Option<[DVec3; 2]> {
     let geometry = &conditions.geometry;
     let mut bounds = (geometry.triangle_count() > 0).then(|| {
@@ -56,7 +55,7 @@ pub fn bounds(conditions: &Conditions) -> Option<[DVec3; 2]> {
         [low, high]
     });
     for medium in &conditions.air.media {
-        if let Shape::Box { min, max } = medium.shape {
+        if let Some([min, max]) = medium.bounds() {
             let [low, high] = bounds.unwrap_or([min, max]);
             bounds = Some([low.min(min), high.max(max)]);
         }

@@ -41,7 +41,7 @@ pub use picture::Picture;
 
 use super::light::Light;
 use crate::conditions::Conditions;
-use crate::medium::{Shape, kinds};
+use crate::medium::{Medium, kinds};
 use around::{Around, bounds};
 use enclosed::{Enclosed, Eye, surroundings};
 use knots::Knots;
@@ -62,10 +62,8 @@ pub fn picture(
     let eye = Eye::new(conditions);
     let size = bounds(conditions).map_or(100.0, |[low, high]| (high - low).length());
     // J changes over a box of fog as it does among walls.
-    let narrowest = conditions.air.media.iter().filter_map(|m| match m.shape {
-        Shape::Box { min, max } => Some(0.25 * (max - min).min_element()),
-        _ => None,
-    });
+    let bounded = conditions.air.media.iter().filter_map(Medium::bounds);
+    let narrowest = bounded.map(|[min, max]| 0.25 * (max - min).min_element());
     let otherwise = narrowest.fold(0.3 * size, f64::min).max(1e-9 * size);
     let near = surroundings(conditions, eye, otherwise);
     // J is looked up more often along a ray than it is found.

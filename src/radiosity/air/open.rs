@@ -1,6 +1,7 @@
 //! What the air sends toward the eye where nothing stands around: it depends on height and direction alone.
 //!
-//! Light comes from the whole sky above and from the open ground below, through all media but boxes. J is found at heights that
+//! Light comes from the whole sky above and from the open ground below, through all media but those that have bounds; a layer counts with
+//! its mean height. J is found at heights that
 //! lie the denser the nearer the ground or the top of a haze is, and in directions some degrees apart, as they are needed.
 
 use super::source::Lobes;
@@ -52,7 +53,12 @@ pub struct OpenAir {
 impl OpenAir {
     pub fn new(conditions: &Conditions, light: &Light, lobes: Arc<Lobes>) -> Self {
         let mut air = conditions.air.clone();
-        air.media.retain(|m| !matches!(m.shape, Shape::Box { .. }));
+        air.media.retain(|medium| medium.bounds().is_none());
+        for medium in &mut air.media {
+            if let Shape::Layer { waves, .. } = &mut medium.shape {
+                waves.clear();
+            }
+        }
         let heights = heights(&air);
         OpenAir {
             ground: conditions.ground.map(|ground| ground.height),
@@ -183,12 +189,16 @@ fn incoming(conditions: &Conditions, light: &Light) -> Vec<Incoming> {
 /// The heights at which J is found [m].
 fn heights(air: &Air) -> Vec<f64> {
     let tops = air.media.iter().filter_map(|medium| match medium.shape {
-        Shape::Haze { top } => Some(top),
+        Shape::Haze { top } | Shape::Layer { top, .. } => Some(top),
         Shape::Height { base, .. } | Shape::Air { base, .. } => Some(base),
-        Shape::Box { .. } => None,
+        Shape::Box { .. } | Shape::Ellipsoid { .. } => None,
+    });
+    let bottoms = air.media.iter().filter_map(|medium| match medium.shape {
+        Shape::Layer { bottom, .. } => bottom,
+        _ => None,
     });
     let mut heights = Vec::new();
-    for border in tops.chain([air.ground]) {
+    for border in tops.chain(bottoms).chain([air.ground]) {
         heights.push(border);
         let mut offset = OFFSETS[0];
         while offset < OFFSETS[1] {
