@@ -416,7 +416,7 @@ fn penumbrae_in_thin_layers_and_dense_fog_are_those_of_points() {
         let edge = plate(400.0, [place, place + 200.0], 0.0);
         for (k, camera) in cameras().into_iter().enumerate() {
             let mut view = view(&edge, [azimuth, 30.0], camera);
-            view.scene.media = vec![fog(shape, scattering, 0.0, Phase::Isotropic)];
+            view.scene.media = vec![fog(shape.clone(), scattering, 0.0, Phase::Isotropic)];
             let conditions = view.conditions([24, 18]).expect("sound");
             let truth = light(&conditions, 0.0, 1024.0);
             let found = off(&light(&conditions, 1.0, 4.0), &truth);
