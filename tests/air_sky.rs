@@ -137,7 +137,7 @@ fn under_an_open_uniform_sky_it_is_the_formula() {
     ];
     for (name, shape, scattering, far) in shapes {
         for phase in [Phase::Isotropic, HAZY] {
-            let medium = fog(shape, scattering, 0.2 * scattering, phase);
+            let medium = fog(shape.clone(), scattering, 0.2 * scattering, phase);
             let conditions = view(&[], vec![medium], level_camera());
             let found = light(&conditions);
             let truth: Vec<f64> = (0..found.len())

@@ -365,6 +365,18 @@ fn schema_and_example_know_the_same_keys() {
     );
     // An orthographic camera's, which the example's perspective one cannot have.
     used.insert(".camera.height".into());
+    // Layers and ellipsoids have tests of their own.
+    let shapes = r#"
+        [[medium]]
+        bottom = 0.0
+        waves = [{ amplitude = 0.1, wavelength = 1.0, direction = 0.0, phase = 0.0 }]
+        [[medium]]
+        center = [0.0, 0.0, 0.0]
+        radii = [1.0, 1.0, 1.0]
+        rotation = [0.0, 0.0, 0.0]
+        edge = "soft"
+    "#;
+    keys(&toml::from_str(shapes).expect("valid TOML"), "", &mut used);
     // Draine's phase function, which the example does not use.
     used.insert(".medium.phase.a".into());
     // What a lamp takes from other files, which the example does without.

@@ -140,7 +140,12 @@ fn light_depends_on_where_the_shadows_of_a_ray_are() {
                 DVec3::Z * (far - near),
             ));
         }
-        let view = view(&triangles, [90.0, 60.0], air.medium(air_box), camera);
+        let view = view(
+            &triangles,
+            [90.0, 60.0],
+            air.medium(air_box.clone()),
+            camera,
+        );
         let conditions = view.conditions([96, 72]).expect("sound");
         let truth: Vec<f64> = rays(&conditions)
             .iter()
@@ -282,9 +287,14 @@ fn thin_fog_scatters_twice_as_much_when_it_is_twice_as_dense() {
         (Phase::Rayleigh, Method::Epipolar),
     ] {
         let seen = |scattering: f64| {
-            view(&[], [40.0, 35.0], fog(cube, scattering, 0.0, phase), camera)
-                .conditions(size)
-                .expect("sound")
+            view(
+                &[],
+                [40.0, 35.0],
+                fog(cube.clone(), scattering, 0.0, phase),
+                camera,
+            )
+            .conditions(size)
+            .expect("sound")
         };
         let conditions = seen(thin);
         let once = light(&by_gpu(&conditions, method, &[]));
@@ -489,9 +499,14 @@ fn a_wire_thinner_than_a_texel_does_not_pop() {
         let x = 3.0 + 0.125 * texel * f64::from(step);
         let corner = DVec3::new(x, 5.0, -20.0);
         let wire = quad(corner, DVec3::X * width * texel, DVec3::Z * 18.0);
-        view(&wire, [80.0, 40.0], fog(shape, 0.02, 0.0, HAZY), camera)
-            .conditions([64, 48])
-            .expect("sound")
+        view(
+            &wire,
+            [80.0, 40.0],
+            fog(shape.clone(), 0.02, 0.0, HAZY),
+            camera,
+        )
+        .conditions([64, 48])
+        .expect("sound")
     };
     let all = light(&by_reference(&open(&seen(1.0, 0)), &[]));
     let taken = |picture: &[f64]| 1.0 - mean(picture) / mean(&all);

@@ -27,16 +27,6 @@ impl Ellipsoid {
         }
     }
 
-    /// Half the sides of the least box with the scene's axes around it [m].
-    pub fn half_sides(&self) -> DVec3 {
-        let square = |axis: DVec3| {
-            let side = self.rotation * (axis * self.radii);
-            side * side
-        };
-        let sum = square(DVec3::X) + square(DVec3::Y) + square(DVec3::Z);
-        DVec3::new(sum.x.sqrt(), sum.y.sqrt(), sum.z.sqrt())
-    }
-
     /// The part of a line inside, before its origin too.
     fn line(&self, origin: DVec3, direction: DVec3) -> Option<Chord> {
         let (p, q) = (self.own(origin - self.center), self.own(direction));

@@ -1,6 +1,5 @@
 //! A participating medium: where it is, how its coefficients vary and how it scatters.
 
-use super::ellipsoid::Ellipsoid;
 use super::phase::Phase;
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -127,15 +126,14 @@ impl Medium {
                 center,
                 radii,
                 rotation,
-                edge,
+                ..
             } => {
-                let half = Ellipsoid {
-                    center,
-                    radii,
-                    rotation,
-                    edge,
-                }
-                .half_sides();
+                let square = |axis: DVec3| {
+                    let side = rotation * (axis * radii);
+                    side * side
+                };
+                let sum = square(DVec3::X) + square(DVec3::Y) + square(DVec3::Z);
+                let half = DVec3::new(sum.x.sqrt(), sum.y.sqrt(), sum.z.sqrt());
                 Some([center - half, center + half])
             }
             _ => None,

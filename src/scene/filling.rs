@@ -1,12 +1,14 @@
 //! What fills the air, as a TOML scene file says it.
 
-use super::toml::Wrong;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::medium::{ClearAir, Edge, Medium, Phase, Shape, Wave};
 use crate::units::DEG;
 use glam::{DQuat, DVec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
+
+/// Makes an error of a key, of what is wrong with it and of what to do.
+pub(super) type Wrong<'a> = &'a dyn Fn(&str, String, &str) -> Error;
 
 /// What fills the air, by its shape.
 #[derive(Deserialize, JsonSchema)]

@@ -4,7 +4,7 @@
 //! checked against that schema ([`super::check`]), and then read into them.
 
 use super::camera::{Camera, Projection};
-use super::filling::{Filling, MediumTable};
+use super::filling::{Filling, MediumTable, Wrong};
 use super::lamp::LightTable;
 use super::placement::{self, Placement};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
@@ -297,8 +297,6 @@ pub(super) fn load(
     }
     Ok(scene)
 }
-
-pub(super) type Wrong<'a> = &'a dyn Fn(&str, String, &str) -> Error;
 
 impl CameraTable {
     fn read(&self, wrong: Wrong) -> Result<Camera> {
