@@ -309,12 +309,12 @@ fn find_ramps(disc: Disc, start: vec3f, direction: vec3f, air: vec2f) {
     turns += walk.steps;
 }
 
-// Whether a caster without holes hides a point of the disc from a place.
-fn is_hidden(disc: Disc, start: vec3f, at: vec2f, blur: f32) -> bool {
+// Whether a caster without holes hides a point of the disc from a place; true too where `most` turns have been taken before it is known.
+fn is_hidden(disc: Disc, start: vec3f, at: vec2f, blur: f32, most: u32) -> bool {
     let way = normalize(disc.z + disc.tangent * (at.x * disc.x + at.y * disc.y));
     let ray = Disc(disc.x, disc.y, way, 0.0, disc.limb);
     var walk = Walk(1u, tree_texel(0u).x, 0u);
-    while turns + walk.steps < MOST_TURNS {
+    while turns + walk.steps < most {
         let triangle = disc_next(ray, &walk, start, NO_CASTER);
         if triangle == NO_CASTER {
             turns += walk.steps;
@@ -514,6 +514,14 @@ fn share_at(disc: Disc, shares: Shares, p: vec3f, place: f32) -> vec3f {
     return clamp(vec3f(dot(nodes, shares.red), dot(nodes, shares.green), dot(nodes, shares.blue)), vec3f(0.0), vec3f(1.0));
 }
 
+// Places of 0 to 1 as far apart as before, or by more and more from 0 on.
+fn grown(place: f32, growth: f32) -> f32 {
+    if growth == 0.0 {
+        return place;
+    }
+    return (exp(growth * place) - 1.0) / (exp(growth) - 1.0);
+}
+
 // The integral over a run of what the air sends to the eye of the light that arrives.
 fn soft_run(disc: Disc, origin: vec3f, direction: vec3f, sources: u32, run: vec2f, shares: Shares) -> vec3f {
     var sum = vec3f(0.0);
@@ -533,11 +541,16 @@ fn soft_run(disc: Disc, origin: vec3f, direction: vec3f, sources: u32, run: vec2
             }
         }
         let parts = u32(clamp(ceil(uneven), 1.0, 32.0));
-        let step = (end - at) / f32(parts);
+        // Where more would be needed, they grow from the end at which there is more light.
+        let growth = select(0.0, min(log(uneven), 60.0), uneven > 32.0);
+        let is_near = dot(depths[1] - depths[0], vec3f(1.0)) >= 0.0;
         for (var k = 0u; k < parts * NODES; k++) {
-            let t = at + (f32(k / NODES) + NODE_PLACES[k % NODES]) * step;
+            let before = grown(f32(k / NODES) / f32(parts), growth);
+            let width = grown(f32(k / NODES + 1u) / f32(parts), growth) - before;
+            let place = before + NODE_PLACES[k % NODES] * width;
+            let t = select(end - place * (end - at), at + place * (end - at), is_near);
             let share = share_at(disc, shares, origin + tile.eye + t * direction, (t - run.x) / (run.y - run.x));
-            sum += step * NODE_WEIGHTS[k % NODES] * share * beam_scattered(origin, direction, t, sources);
+            sum += (end - at) * width * NODE_WEIGHTS[k % NODES] * share * beam_scattered(origin, direction, t, sources);
         }
         turns += parts * NODES + 4u;
         at = end;
@@ -557,7 +570,7 @@ fn edge_is_open(disc: Disc, start: vec3f, direction: vec3f, run: vec2f, edge: Ed
     let p = start + select(ends.y, ends.x, is_first) * direction;
     let across = select(other.xy / sizes.y, one.xy / sizes.x, is_first);
     let open = -0.5 * (1.0 + clamp(min(depths.x, depths.y), -1.0, 1.0)) * across;
-    return !is_hidden(disc, p, open, 4e-7 * (length(p - tile.eye) + length(tile.eye)));
+    return !is_hidden(disc, p, open, 4e-7 * (length(p - tile.eye) + length(tile.eye)), MOST_TURNS);
 }
 
 // The direction of chords that lies most across the edges that cross the disc from a part of the ray.
@@ -602,7 +615,7 @@ fn middle_run(disc: Disc, origin: vec3f, direction: vec3f, sources: u32, run: ve
             end = select(end, min(end, passes), passes > at);
         }
         let p = origin + tile.eye + 0.5 * (at + end) * direction;
-        if !is_hidden(disc, p, vec2f(0.0), 4e-7 * (length(p - tile.eye) + length(tile.eye))) {
+        if !is_hidden(disc, p, vec2f(0.0), 4e-7 * (length(p - tile.eye) + length(tile.eye)), 2u * MOST_TURNS) {
             sum += soft_run(disc, origin, direction, sources, vec2f(at, end), all);
         }
         turns += ramp_count + 1u;
@@ -638,17 +651,23 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
         var shortest = FARTHEST;
         var count = 0u;
         var only = 0u;
+        var is_together = false;
         for (var k = 0u; k < ramp_count; k++) {
             let run = ramp_run(k);
             let present = run.x <= at && run.y > at;
             count += u32(present);
             only = select(only, k, present);
+            is_together = is_together || present && ramp_edge(k) == TOGETHER;
             shortest = select(shortest, min(shortest, run.y - run.x), present);
             last = select(last, max(last, run.y), present);
             let change = select(run.y, run.x, run.x > at);
             next = select(next, min(next, change), change > at);
         }
         turns += ramp_count;
+        if is_together && knobs.replaces == 0u {
+            // Where several edges became one, what a point lights is not known any more: it keeps its edges there.
+            count = 0u;
+        }
         if begun >= 0.0 && count == 0u {
             // A part of the ray in penumbrae ends.
             if knobs.replaces == 0u {
@@ -694,6 +713,10 @@ fn soften(@builtin(global_invocation_id) id: vec3u) {
                 shares.blue[node] = seen.z;
             }
             is_open = any(shares.red + shares.green + shares.blue > vec4f(0.0));
+        }
+        if turns >= MOST_TURNS {
+            // What was found of this part may be wrong.
+            break;
         }
         if is_open {
             sum += soft_run(disc, origin, direction, span.sources, vec2f(at, next), shares);

@@ -219,6 +219,16 @@ pub enum Warning {
         /// What is given and has no effect: `time`, `pressure`.
         names: Vec<&'static str>,
     },
+    /// What says where the sun stands, or what the sky is, in a scene that lamps alone light.
+    UnusedWithoutSun {
+        /// What is given and has no effect: `time zone`, `pressure`.
+        names: Vec<&'static str>,
+    },
+    /// Lamps of whose light little or nothing reaches the scene.
+    DarkLamps {
+        /// Their names, and why.
+        lamps: Vec<(String, &'static str)>,
+    },
     /// Quantities of a ground that the scene has not.
     UnusedGround {
         /// Their keys.
@@ -329,6 +339,12 @@ impl Warning {
             }
             Warning::UnusedWithSun { .. } => Some(
                 "leave them out, or leave out the sun ([sun], --sun) for that of place and time",
+            ),
+            Warning::UnusedWithoutSun { .. } => Some(
+                "leave them out, or give the scene a place and a time (--at, --time) or a sun (--sun)",
+            ),
+            Warning::DarkLamps { .. } => Some(
+                "give it an intensity, put it where its light gets out, or name its housing in `ignore`",
             ),
             Warning::UnusedGround { .. } => {
                 Some("leave them out, or let the ground be there (enabled = true)")
@@ -538,6 +554,16 @@ impl fmt::Display for Warning {
                 "the sun is given, so these have no effect: {}",
                 names.join(", ")
             ),
+            Warning::UnusedWithoutSun { names } => write!(
+                f,
+                "lamps alone light the scene, so these have no effect: {}",
+                names.join(", ")
+            ),
+            Warning::DarkLamps { lamps } => {
+                let lamps = lamps.iter();
+                let list: Vec<String> = lamps.map(|(name, why)| format!("`{name}` ({why})")).collect();
+                write!(f, "lamps that give little or no light: {}", listed(&list))
+            }
             Warning::UnusedGround { keys } => write!(
                 f,
                 "the scene's ground is not there (enabled = false), so these have no effect: {}",

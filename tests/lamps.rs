@@ -378,3 +378,75 @@ fn what_stands_behind_dark_air_comes_through_it_in_every_layer() {
     }
     assert!(through.iter().all(|t| t.y < 0.6));
 }
+
+#[test]
+fn the_ground_stops_the_light_of_a_lamp_under_it() {
+    let mut scene = night(
+        &cuboid(dvec3(-1.0, 1.0, -1.0), dvec3(1.0, 2.0, 1.0)),
+        vec![
+            lamp(dvec3(0.0, -1.0, 0.0), 1e4, Distribution::Isotropic),
+            lamp(dvec3(0.0, 0.0, 3.0), 0.0, Distribution::Isotropic),
+        ],
+    );
+    scene.media = vec![box_of_fog(50.0, 0.05, 0.0, Phase::Isotropic)];
+    let of = |ground: bool| {
+        let mut scene = scene.clone();
+        scene.ground.enabled = ground;
+        let camera = Camera::look_at(dvec3(0.0, 0.5, 8.0), dvec3(0.0, 1.0, 0.0), 50.0 * DEG);
+        let seen = conditions(scene, camera, [8, 6]);
+        let frame = rendered_without(&["air_sky"], &seen, Quality::Preview, &[]);
+        let sum = |field| layer(&frame, field).iter().map(|v| v.y).sum::<f64>();
+        let said: Vec<String> = seen.warnings.iter().map(|w| w.to_string()).collect();
+        let lit = sum(Field::Lights) + sum(Field::InscatterLights) + sum(Field::Indirect);
+        (lit, said.join("; "))
+    };
+    let (open, said) = of(false);
+    assert!(open > 0.0 && said.contains("its intensity is 0"), "{said}");
+    let (covered, said) = of(true);
+    assert_eq!(covered, 0.0);
+    assert!(said.contains("it lies under the ground"), "{said}");
+}
+
+#[test]
+fn a_lamp_that_is_shut_in_is_warned_of() {
+    let mut triangles = cuboid(dvec3(-5.0, -0.2, -5.0), dvec3(5.0, 0.0, 5.0));
+    triangles.extend(cuboid(dvec3(-0.1, 1.9, -0.1), dvec3(0.1, 2.1, 0.1)));
+    let said = |y: f64| {
+        let lamps = vec![lamp(dvec3(0.0, y, 0.0), 10.0, spot(40.0, 0.2))];
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 1.0);
+        let seen = conditions(night(&triangles, lamps), camera, [8, 8]);
+        let said: Vec<String> = seen.warnings.iter().map(|w| w.to_string()).collect();
+        said.join("; ")
+    };
+    assert!(
+        said(2.0).contains("meets a surface right beside it"),
+        "{}",
+        said(2.0)
+    );
+    assert!(!said(1.8).contains("little or no light"), "{}", said(1.8));
+}
+
+#[test]
+fn a_narrow_beam_lights_the_room_that_its_spot_is_in() {
+    // A beam of 2 degrees on the floor of a closed room: at first look few points of the floor lie in it.
+    let triangles = cuboid(dvec3(-2.0, 0.0, -2.0), dvec3(2.0, 3.0, 2.0));
+    let beam = LampEntry {
+        toward: dvec3(0.3, -1.0, 0.2),
+        ..lamp(dvec3(0.0, 2.9, 0.0), 1e4, spot(2.0, 1.0))
+    };
+    let points: Vec<(DVec3, DVec3)> = [(1.9, 1.0), (-1.5, 1.5), (0.3, 2.0)]
+        .map(|(x, y)| (dvec3(x, y, 0.2), DVec3::NEG_Y))
+        .to_vec();
+    let found = received(
+        night(&triangles, vec![beam]),
+        &points,
+        Wanted::Reference,
+        Field::Indirect,
+    );
+    // Of an albedo of a half as much again is sent on as the floor gets: its mean over all walls.
+    let flux = 1e4 * 2.0 * PI * (1.0 - (2.0 * DEG).cos());
+    let mean = flux / (2.0 * (4.0 * 4.0 + 2.0 * 4.0 * 3.0));
+    for found in found {
+        assert!(found > 0.1 * mean && found < 10.0 * mean, "{found} {mean}");
+    }
+}

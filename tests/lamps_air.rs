@@ -275,6 +275,15 @@ fn hard_cases_of_a_ray_and_a_lamp_are_finite_and_continuous() {
             );
         }
     }
+    // Exactly behind the eye and exactly beyond the end of the fog a lamp is what it is a little beside that.
+    for z in [10.0, 101.0] {
+        let [on, beside] = [0.0, 1e-4]
+            .map(|x| seen(lamp(dvec3(x, 0.0, z), 10.0, Distribution::Isotropic), 0.1)[12].y);
+        assert!(
+            on > 0.0 && (on / beside - 1.0).abs() < 1e-3,
+            "{z}: {on} {beside}"
+        );
+    }
     // A beam of 180 degrees and q = 1 is the same in all directions.
     let at = dvec3(0.3, 0.4, -3.0);
     let whole = seen(lamp(at, 10.0, spot(180.0, 1.0)), 0.1);

@@ -66,8 +66,20 @@ impl Conditions {
             albedo: DVec3::splat(scene.ground.albedo),
         });
         let lamps = Lamp::all(&scene)?;
+        let dark: Vec<(String, &'static str)> = lamps
+            .iter()
+            .filter_map(|lamp| {
+                let why = lamp.is_dark(&geometry, ground.map(|ground| ground.height))?;
+                Some((lamp.name.clone(), why))
+            })
+            .collect();
+        let mut warnings = warnings(&scene, request, &geometry, &moment);
+        if !dark.is_empty() {
+            warnings.push(Warning::DarkLamps { lamps: dark });
+        }
+        let lamps: Vec<Lamp> = lamps.into_iter().filter(Lamp::shines).collect();
         Ok(Conditions {
-            warnings: warnings(&scene, request, &geometry, &moment),
+            warnings,
             lamps: lamps.into(),
             geometry,
             view: View {

@@ -12,6 +12,12 @@ use std::sync::Arc;
 /// No place is nearer to a point of light than a micrometre [m2].
 const NEAREST: f64 = 1e-12;
 
+/// Turned by this again and again, directions lie evenly around: pi (3 - sqrt 5) [rad].
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// A lamp nearly all of whose light meets something nearer than this is shut in [m].
+const SHUT_IN: f64 = 0.25;
+
 /// A lamp.
 #[derive(Clone)]
 pub struct Lamp {
@@ -116,8 +122,44 @@ impl Lamp {
                 housed: None,
             });
         }
-        lamps.retain(|lamp| luminance(lamp.intensity) > 0.0 && lamp.distribution.peak() > 0.0);
         Ok(lamps)
+    }
+
+    /// Whether it gives any light at all.
+    pub(super) fn shines(&self) -> bool {
+        luminance(self.intensity) > 0.0 && self.distribution.peak() > 0.0
+    }
+
+    /// Why little or nothing of its light reaches the scene, if it does not.
+    pub(super) fn is_dark(&self, all: &Geometry, ground: Option<f64>) -> Option<&'static str> {
+        if !self.shines() {
+            return Some("its intensity is 0");
+        }
+        if ground.is_some_and(|height| self.middle().y < height) {
+            return Some("it lies under the ground");
+        }
+        const RAYS: u32 = 64;
+        let spot = self.spots(1)[0];
+        let geometry = self.geometry(all);
+        let near = SHUT_IN.min(0.02 * geometry.extent());
+        let cone = self.distribution.cone();
+        let (mut whole, mut out) = (0.0, 0.0);
+        for k in 0..RAYS {
+            // Over the cone, each for as much of its solid angle.
+            let down = 2.0 * (0.5 * cone).sin().powi(2) * (f64::from(k) + 0.5) / f64::from(RAYS);
+            let theta = 2.0 * (0.5 * down).sqrt().min(1.0).asin();
+            let direction = self.pose.direction(theta, GOLDEN_ANGLE * f64::from(k));
+            let shape = self.shape(&spot, direction);
+            let ray = Ray {
+                origin: spot.position,
+                direction,
+            };
+            whole += shape;
+            if geometry.transmittance(&ray, 1e-9 * geometry.extent(), near) > 0.0 {
+                out += shape;
+            }
+        }
+        (out <= 0.01 * whole).then_some("nearly all of its light meets a surface right beside it")
     }
 
     /// What stands in the way of its light, of all that does.
@@ -148,9 +190,14 @@ impl Lamp {
         luminance(self.intensity) * self.distribution.peak()
     }
 
-    /// Luminous flux [lm, luminance]. Of a rectangle all that its distribution says counts, though it shines on one side.
+    /// Luminous flux [lm, luminance]: of a rectangle of even intensity that of the side on which it shines; of another all that its
+    /// distribution says.
     pub fn flux(&self) -> f64 {
-        luminance(self.intensity) * self.distribution.flux()
+        let part = match (self.form, &self.distribution) {
+            (LampForm::Rectangle { .. }, Distribution::Isotropic) => 0.5,
+            _ => 1.0,
+        };
+        part * luminance(self.intensity) * self.distribution.flux()
     }
 
     /// The middle of it [m].
@@ -254,10 +301,9 @@ impl Lamp {
         if let LampForm::Sphere { radius } = self.form {
             // On the sphere itself, each as bright as the cosine has it: 4 cos(theta) of a part of the sphere adds up to 1 on each side.
             let count = 2 * count * count;
-            let turn = PI * (3.0 - 5f64.sqrt());
             let spot = |k: u32| {
                 let height = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
-                let (y, x) = (turn * f64::from(k)).sin_cos();
+                let (y, x) = (GOLDEN_ANGLE * f64::from(k)).sin_cos();
                 let across = (1.0 - height * height).sqrt();
                 let side = DVec3::new(across * x, height, across * y);
                 Spot {

@@ -105,7 +105,11 @@ impl Conditions {
             .sky
             .as_ref()
             .map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
-        0.2 / PI * (sun + sky + self.typical_lamp_light())
+        // A lamp beside the eye says nothing of what sun and sky light.
+        match sun + sky {
+            0.0 => 0.2 / PI * self.typical_lamp_light(),
+            natural => 0.2 / PI * natural,
+        }
     }
 
     /// No ray through the air has a greater optical depth [1].

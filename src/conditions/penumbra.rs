@@ -52,17 +52,21 @@ impl Conditions {
     /// The sun's disc as the air sees it, found when it is first asked for; `None` where [`Conditions::whole_sun`] is.
     pub fn disc_in_air(&self) -> Option<Arc<DiscInAir>> {
         let beam = self.whole_sun()?;
-        let mut last = self.disc.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = last.as_ref().and_then(|last| last.downcast_ref::<Found>());
+        let last = || self.disc.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = last().clone();
+        let found = known
+            .as_ref()
+            .and_then(|found| found.downcast_ref::<Found>());
         if let Some(found) = found
             && found.made_of.still_holds(self, INPUTS)
         {
             return Some(found.disc.clone());
         }
+        // Not while it is locked: this works on all cores.
         let edges = Edges::new(&self.geometry, self.sun.disc()?);
         let told = self.told(&edges);
         let disc = Arc::new(DiscInAir { edges, beam, told });
-        *last = Some(Arc::new(Found {
+        *last() = Some(Arc::new(Found {
             made_of: self.snapshot(INPUTS),
             disc: disc.clone(),
         }));

@@ -73,15 +73,28 @@ pub fn received(
         (most > 0.0).then_some((most, i))
     }));
     order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let mut rest: f64 = order.iter().map(|(most, _)| most).sum();
-    for (most, index) in order.iter() {
+    let rest = rests(order.iter().map(|(most, _)| *most));
+    for ((_, index), rest) in order.iter().zip(rest) {
         if rest <= care.left_out * luminance(sum) {
             break;
         }
         sum += of_lamp(conditions, &conditions.lamps[*index], place, care);
-        rest -= most;
     }
     sum
+}
+
+/// What each of some bounds and all behind it add up to, from the weakest on: so small ones keep their digits beside large ones.
+pub fn rests(bounds: impl DoubleEndedIterator<Item = f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut rests: Vec<f64> = bounds
+        .rev()
+        .map(|bound| {
+            sum += bound;
+            sum
+        })
+        .collect();
+    rests.reverse();
+    rests
 }
 
 /// The most that a place receives from a lamp [lx, luminance].
@@ -92,8 +105,12 @@ fn at_most(lamp: &Lamp, place: &Place) -> f64 {
         let toward = way.normalize_or_zero();
         return place.cosine(toward) * luminance(lamp.illuminance(&spot, place.position));
     }
-    let nearest = (way.length() - lamp.extent()).max(0.1 * lamp.extent());
-    lamp.greatest_intensity() / (nearest * nearest)
+    let nearest = way.length() - lamp.extent();
+    match nearest > 0.1 * lamp.extent() {
+        true => lamp.greatest_intensity() / (nearest * nearest),
+        // Beside a part of it there is no bound.
+        false => f64::INFINITY,
+    }
 }
 
 /// What a place receives from one lamp [lx, RGB].
@@ -160,6 +177,11 @@ const FINEST: f64 = 1.0 / 512.0;
 
 /// What a place receives from one spot of a lamp [lx, RGB].
 fn of_spot(conditions: &Conditions, lamp: &Lamp, spot: &Spot, place: &Place) -> DVec3 {
+    // The ground stops the light of what lies under it, as it does that of the sun.
+    let ground = conditions.ground.map(|ground| ground.height);
+    if ground.is_some_and(|height| spot.position.y < height && place.position.y >= height) {
+        return DVec3::ZERO;
+    }
     let way = spot.position - place.position;
     let distance = way.length();
     let Some(toward) = way.try_normalize() else {

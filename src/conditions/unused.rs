@@ -24,7 +24,10 @@ pub(super) fn of(scene: &Scene, request: &Request, has_sky: bool, ground: f64) -
 
 /// Place, time and the ephemeris, where a sun stands in for them.
 fn of_place_and_time(scene: &Scene, request: &Request) -> Option<Warning> {
-    scene.sun.as_ref()?;
+    let by_lamps = scene.site.is_none() && scene.time.is_none() && scene.has_lamps();
+    if scene.sun.is_none() && !by_lamps {
+        return None;
+    }
     let names = named([
         ("place", scene.site.is_some()),
         ("time", scene.time.is_some()),
@@ -36,7 +39,13 @@ fn of_place_and_time(scene: &Scene, request: &Request) -> Option<Warning> {
         ("pressure", request.pressure_hpa.is_some()),
         ("temperature", request.temperature_c.is_some()),
     ]);
-    (!names.is_empty()).then_some(Warning::UnusedWithSun { names })
+    if names.is_empty() {
+        return None;
+    }
+    Some(match scene.sun {
+        Some(_) => Warning::UnusedWithSun { names },
+        None => Warning::UnusedWithoutSun { names },
+    })
 }
 
 /// Keys of a ground that is not there. Haze reaches down to its height all the same, and clear air is counted from it.

@@ -14,6 +14,7 @@ use super::{Contribution, Decision, Effect, Field, Knob};
 use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::conditions::lamps::{Lamp, Spot};
+use crate::conditions::received::rests;
 use crate::medium::{LocalScattering, Pattern, Shape};
 use crate::scene::Ray;
 use crate::scene::shade::Shade;
@@ -61,18 +62,18 @@ pub const AIR_LAMPS: Effect = Effect {
                 met.clear();
                 met.extend(spots.iter().filter_map(|(lamp, spot)| {
                     let span = illuminated(lamp, spot, ray, end)?;
+                    let span = on_its_side(conditions, spot, ray, span)?;
                     let most = at_most(conditions, lamp, spot, ray, span);
                     (most > 0.0).then_some((most, *lamp, *spot, span))
                 }));
                 met.sort_by(|a, b| b.0.total_cmp(&a.0));
-                let mut rest: f64 = met.iter().map(|(most, ..)| most).sum();
+                let rests = rests(met.iter().map(|(most, ..)| *most));
                 let mut sum = DVec3::ZERO;
-                for (most, lamp, spot, span) in &met {
+                for ((_, lamp, spot, span), rest) in met.iter().zip(rests) {
                     if rest <= left_out * luminance(sum) {
                         break;
                     }
                     sum += scattered(conditions, lamp, spot, ray, *span, error, &mut shades);
-                    rest -= most;
                 }
                 present + sum
             });
@@ -119,6 +120,29 @@ fn illuminated(lamp: &Lamp, spot: &Spot, ray: &Ray, end: f64) -> Option<[f64; 2]
     hull.filter(|[from, to]| to > from)
 }
 
+/// The part of a span on which the ground does not lie between a spot under it and the ray.
+fn on_its_side(
+    conditions: &Conditions,
+    spot: &Spot,
+    ray: &Ray,
+    [from, to]: [f64; 2],
+) -> Option<[f64; 2]> {
+    let Some(ground) = conditions.ground.filter(|g| spot.position.y < g.height) else {
+        return Some([from, to]);
+    };
+    let above = |t: f64| ray.at(t).y >= ground.height;
+    let crossing = (ground.height - ray.origin.y) / ray.direction.y;
+    match (above(from), above(to)) {
+        (true, true) => None,
+        (true, false) => Some([crossing.clamp(from, to), to]),
+        (false, true) => Some([from, crossing.clamp(from, to)]),
+        (false, false) => Some([from, to]),
+    }
+}
+
+/// A medium is at most e^this times as dense as where its coefficients are those given.
+const DENSEST: f64 = 600.0;
+
 /// The most that a spot adds on a span of a ray [cd/m2, luminance]: nothing in the way, no air that takes light.
 fn at_most(
     conditions: &Conditions,
@@ -135,17 +159,22 @@ fn at_most(
             }
             | Shape::Air {
                 base, scale_height, ..
-            } => ((base - lowest) / scale_height).exp(),
+            } => ((base - lowest) / scale_height).min(DENSEST).exp(),
             _ => 1.0,
         };
+        if medium.scattering == DVec3::ZERO {
+            return 0.0;
+        }
         density * medium.scattering.max_element() * medium.phase.peak()
     };
     let coefficient: f64 = conditions.air.media.iter().map(coefficient).sum();
     let foot = (spot.position - ray.origin).dot(ray.direction);
     let aside = (ray.at(foot) - spot.position).length().max(spot.radius);
+    // As near as the ray is taken to pass it at least.
+    let aside = aside.max(1e-9 * (1.0 + foot.abs()));
     let angle = (to - foot).atan2(aside) - (from - foot).atan2(aside);
-    // Where the ray passes the lamp itself there is no bound.
-    lamp.greatest_intensity() * spot.share * coefficient * (angle / aside)
+    // Within its radius a spot gets no brighter, but 1 / r^2 is up to twice 1 / (t^2 + r^2).
+    2.0 * lamp.greatest_intensity() * spot.share * coefficient * (angle / aside)
 }
 
 /// What a spot adds on a span of a ray [cd/m2, RGB].

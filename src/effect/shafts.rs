@@ -87,6 +87,10 @@ fn sun_in_air(conditions: &Conditions, settings: &Settings<'_>, on_gpu: bool) ->
         None => SunInAir::Points(None),
         Some(disc) => match disc.told {
             Told::Not => SunInAir::Points(Some("shadows have too many edges")),
+            // Passes on a device know nothing of them within a penumbra.
+            _ if on_gpu && conditions.geometry.has_holes() => {
+                SunInAir::Points(Some("surfaces have holes"))
+            }
             Told::Mostly if on_gpu => {
                 SunInAir::Points(Some("some rays pass leaves or too many edges of shadows"))
             }

@@ -12,8 +12,8 @@
 //! leave the parts in penumbrae out. Others have taken what a point in the middle lights, V f with V of 0 or 1, all along the ray:
 //! [`SOFTEN_AFTER`] adds the integral of (S - V) f, V found by rays between the places where edges pass the middle.
 //!
-//! More than 24 penumbrae along one ray share nodes with their neighbours. Casters with holes have no part in it: what they shade keeps
-//! the edges that a point gives.
+//! More than 24 penumbrae along one ray share nodes with their neighbours ([`SOFTEN_AFTER`] leaves these to the point). Where casters have
+//! holes the pass does not run.
 
 use super::shafts;
 use super::{Field, Number, Over, Pass, Product, Resource, Settings, When, rows};

@@ -9,7 +9,7 @@ use super::shape::{FARTHEST, Medium, Shape};
 use glam::DVec3;
 
 /// An optical depth beyond which nothing is counted with care: no light comes through a tenth of it.
-const FULL: f64 = 1e4;
+const FULL: f64 = 200.0;
 
 /// The body of a medium that has borders.
 #[derive(Debug, Clone, Copy)]

@@ -229,7 +229,8 @@ impl<'a> LocalScattering<'a> {
             if halvings == 0 || !is_steep {
                 let (found, off) = kronrod(a, b, &value);
                 scale = scale.max(found.max_element());
-                if halvings == 0 || off <= self.tolerance * scale.max(sum.max_element()) {
+                let agree = off <= self.tolerance * scale.max(sum.max_element());
+                if halvings == 0 || agree || !off.is_finite() {
                     sum += found;
                     continue;
                 }

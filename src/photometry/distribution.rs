@@ -223,14 +223,25 @@ impl Distribution {
             | Distribution::NishitaSpot { .. }
             | Distribution::Elliptical { .. }
             | Distribution::Cone { .. } => PI,
-            Distribution::Daisy { petals, .. } => PI / f64::from(petals),
+            Distribution::Daisy { petals, ratio, .. } => PI / f64::from(petals) / narrowed(ratio),
             Distribution::PolkaDots {
                 spread,
                 petals,
+                ratio,
                 rings,
                 ..
-            } => (PI / f64::from(petals)).min(0.5 * spread / f64::from(rings)),
-            Distribution::Table(_) => TABLE_DETAIL,
+            } => (PI / f64::from(petals)).min(0.5 * spread / f64::from(rings)) / narrowed(ratio),
+            Distribution::Table(ref table) => {
+                // The way from its peak to half of it.
+                let peak = table.peak();
+                let falls = |deg: &f64| table.at(peak.horizontal_deg, *deg) < 0.5 * peak.candela;
+                let vertical = table.vertical().iter().filter(|deg| falls(deg));
+                let away = vertical.map(|deg| (deg - peak.vertical_deg).abs());
+                away.fold(f64::INFINITY, f64::min)
+                    .to_radians()
+                    .min(TABLE_DETAIL)
+                    .max(1e-3)
+            }
         }
     }
 
@@ -312,7 +323,12 @@ fn beam(theta: f64, spread: f64, sharpness: f64) -> f64 {
     (1.0 - sharpness) * inside + sharpness
 }
 
-/// Tables hold nothing finer than this that matters [rad]: goniometers step by 2.5 degrees or more, and what they measure is smooth.
+/// By how much a ratio below 0 narrows petals and dots [1].
+fn narrowed(ratio: f64) -> f64 {
+    (1.0 - ratio).max(1.0)
+}
+
+/// Of a table whose peak is wide nothing is finer than this that matters [rad].
 const TABLE_DETAIL: f64 = 0.25;
 
 /// The least difference of cosines over which a spot of glTF fades [1], from the extension's text.

@@ -37,7 +37,9 @@ pub(super) fn lamps_on(conditions: &Conditions, patch: &Patch, near: f64, turn: 
     let mean = sum / few as f64;
     let off = |v: &DVec3| (*v - mean).abs().max_element();
     let most = found.iter().map(off).fold(0.0, f64::max);
-    if most <= ALIKE * mean.max_element() {
+    // A narrow beam may fall between the first.
+    let is_dark = mean == DVec3::ZERO;
+    if !is_dark && most <= ALIKE * mean.max_element() {
         return mean;
     }
     (sum + (few..many).map(of).sum::<DVec3>()) / many as f64

@@ -41,7 +41,8 @@ impl Geometry {
             let node = &self.nodes[top as usize];
             // Boxes are in f32: nothing that the plane may cut is skipped.
             let middle = node.middle.as_dvec3() - base;
-            let half = node.half.as_dvec3() + 1e-6 * (self.extent + base.length());
+            let half =
+                node.half.as_dvec3() + 1e-6 * (self.extent + base.length()) + 1e-14 * way.length();
             let reach = |across: DVec3| across.abs().dot(half);
             let up = m.dot(middle);
             if n.dot(middle).abs() > reach(n)

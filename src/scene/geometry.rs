@@ -389,6 +389,11 @@ impl Geometry {
             .is_none_or(|(cut, map)| map.is_solid(cut.spot(barycentric)))
     }
 
+    /// Whether any triangle that stops light has holes.
+    pub fn has_holes(&self) -> bool {
+        !self.holes.is_empty()
+    }
+
     /// The holes of a kept triangle, if it has any, and the alpha map of its material.
     pub(super) fn cut_out(&self, index: usize) -> Option<(&CutOut, &AlphaMap)> {
         let number = *self.holes.get(index)?;

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::scene::text::shortened;
 use crate::scene::{PunctualKind, PunctualLight};
 use glam::{DAffine3, DVec3};
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 pub(super) const NAME: &str = "KHR_lights_punctual";
 
@@ -53,10 +53,20 @@ fn lamp(entry: &Light, name: String, to_scene: DAffine3) -> Result<PunctualLight
     let kind = match entry.r#type.as_str() {
         "directional" => PunctualKind::Directional,
         "point" => PunctualKind::Point,
-        "spot" => PunctualKind::Spot {
-            inner: entry.spot.inner_cone_angle.unwrap_or(0.0),
-            outer: entry.spot.outer_cone_angle.unwrap_or(FRAC_PI_4),
-        },
+        "spot" => {
+            // A right angle in f32 is a little more than one.
+            let outer = entry.spot.outer_cone_angle.unwrap_or(FRAC_PI_4);
+            let inner = entry.spot.inner_cone_angle.unwrap_or(0.0);
+            if !(0.0..=1e-6 + FRAC_PI_2).contains(&outer) || !(inner >= 0.0 && inner <= outer) {
+                return Err(format!(
+                    "its cone from {inner} to {outer} rad is not one of 0 to pi / 2"
+                ));
+            }
+            PunctualKind::Spot {
+                inner: inner.min(FRAC_PI_2),
+                outer: outer.min(FRAC_PI_2),
+            }
+        }
         other => return Err(format!("there is no type `{}`", shown(other))),
     };
     let color = DVec3::from(entry.color.unwrap_or([1.0; 3])) * entry.intensity.unwrap_or(1.0);
