@@ -263,3 +263,31 @@ fn the_quadrants_of_a_file_lie_where_radiance_has_them() {
         );
     }
 }
+
+#[test]
+fn a_spot_of_a_right_angle_in_f32_is_a_spot() {
+    let (mut json, bin) = example();
+    let spot = |angle: f64| json!({ "lights": [{ "type": "spot", "intensity": 5.0, "spot": { "outerConeAngle": angle } }] });
+    let nodes = json["nodes"].as_array_mut().expect("it has nodes");
+    let index = nodes.len();
+    nodes.push(json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
+    let roots = json["scenes"][0]["nodes"]
+        .as_array_mut()
+        .expect("it has roots");
+    roots.push(json!(index));
+    let folder = Folder::new();
+    json["extensions"]["KHR_lights_punctual"] = spot(f64::from(std::f32::consts::FRAC_PI_2));
+    let scene = folder.load("spot.glb", glb(&json, &bin)).expect("it loads");
+    let seen = Conditions::new(scene, &Request::default()).expect("it is sound");
+    assert!(!seen.lamps.is_empty());
+    // A wider one is no cone: it is named and left out.
+    json["extensions"]["KHR_lights_punctual"] = spot(2.0);
+    let scene = folder.load("wide.glb", glb(&json, &bin)).expect("it loads");
+    assert!(scene.lights.is_empty());
+    let said: Vec<String> = scene.warnings.iter().map(|w| w.to_string()).collect();
+    assert!(
+        said.iter()
+            .any(|text| text.contains("its cone from 0 to 2 rad")),
+        "{said:?}"
+    );
+}

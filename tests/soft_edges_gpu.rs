@@ -9,7 +9,9 @@ use common::views::*;
 use glam::{DVec2, DVec3};
 use tyndall::conditions::{Conditions, Told};
 use tyndall::effect::{Field, Method};
+use tyndall::medium::{Phase, Shape};
 use tyndall::scene::Camera;
+use tyndall::studies::scenes::fog;
 
 /// One point stands for the sun.
 const POINT: Settings = &[("shafts.disc", 0.0), ("shafts.suns", 1.0)];
@@ -57,6 +59,35 @@ fn edges_in_the_air_are_those_of_the_reference() {
             };
             assert!(found < most && march < most, "{name}: {found} {march}");
         }
+    }
+}
+
+#[test]
+fn a_penumbra_around_the_eye_in_dense_fog_is_that_of_the_reference() {
+    let test = "a_penumbra_around_the_eye_in_dense_fog_is_that_of_the_reference";
+    if !common::gpu(test) {
+        return;
+    }
+    // The edge of a plate 100 m toward the sun, seen from within its penumbra: the first skin of the fog is what is seen.
+    let camera = Camera::look_at(
+        DVec3::new(0.0, 2.0, 0.2),
+        DVec3::new(-4.0, 1.5, -0.2),
+        40f64.to_radians(),
+    );
+    let plate = plate(100.0, [0.0, 60.0], 0.0);
+    for sigma in [1.0, 30.0, 1000.0] {
+        let mut view = view(&plate, [90.0, 30.0], camera);
+        let all = Shape::Box {
+            min: DVec3::splat(-1500.0),
+            max: DVec3::new(1500.0, 2.5, 1500.0),
+        };
+        view.scene.media = vec![fog(all, sigma, 0.0, Phase::Isotropic)];
+        let conditions = view.conditions([12, 9]).expect("sound");
+        let truth = by_reference(&conditions, &[]);
+        let sum: f64 = layer(&truth, Field::InscatterSun).iter().map(|v| v.y).sum();
+        let (off, _) = error(&by_gpu(&conditions, Method::Rectified, &[]), &truth);
+        println!("{sigma} / m: {off:.5} of {sum:e}");
+        assert!(sum == 0.0 || off < 0.01, "{sigma}: {off}");
     }
 }
 
