@@ -239,8 +239,7 @@ impl Distribution {
                 let away = vertical.map(|deg| (deg - peak.vertical_deg).abs());
                 away.fold(f64::INFINITY, f64::min)
                     .to_radians()
-                    .min(TABLE_DETAIL)
-                    .max(1e-3)
+                    .clamp(1e-3, TABLE_DETAIL)
             }
         }
     }

@@ -57,7 +57,8 @@ fn lamp(entry: &Light, name: String, to_scene: DAffine3) -> Result<PunctualLight
             // A right angle in f32 is a little more than one.
             let outer = entry.spot.outer_cone_angle.unwrap_or(FRAC_PI_4);
             let inner = entry.spot.inner_cone_angle.unwrap_or(0.0);
-            if !(0.0..=1e-6 + FRAC_PI_2).contains(&outer) || !(inner >= 0.0 && inner <= outer) {
+            let is_cone = 0.0 <= inner && inner <= outer && outer <= 1e-6 + FRAC_PI_2;
+            if !is_cone {
                 return Err(format!(
                     "its cone from {inner} to {outer} rad is not one of 0 to pi / 2"
                 ));
