@@ -381,7 +381,7 @@ fn points_see_nothing_and_the_plan_says_so() {
         let lights = |field: &Field| {
             matches!(
                 field,
-                Field::Sun | Field::Sky | Field::Indirect | Field::Surface
+                Field::Sun | Field::Sky | Field::Indirect | Field::Lights | Field::Surface
             )
         };
         let name = step.effect.name;

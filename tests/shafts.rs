@@ -652,9 +652,18 @@ fn trees_enclose_their_leaves_and_give_what_every_column_gives() {
         };
         let conditions = view.conditions([24, 16]).expect("sound");
         let mut plan = plan(&conditions, Method::Rectified, Quality::Preview, &[]);
-        let settings = vec![("suns", 1.0), ("rows", 64.0), ("columns", 1024.0)];
+        let settings = vec![
+            ("disc", 0.0),
+            ("suns", 1.0),
+            ("rows", 64.0),
+            ("columns", 1024.0),
+        ];
+        let compose = plan
+            .steps
+            .iter()
+            .position(|step| step.effect.name == "compose");
         plan.steps.insert(
-            plan.steps.len() - 1,
+            compose.expect("there is compose"),
             Step {
                 effect: &BRUTE,
                 decision: (BRUTE.decide)(&conditions),
