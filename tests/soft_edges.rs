@@ -51,14 +51,7 @@ fn a_far_slit_has_the_profile_of_a_uniform_disc() {
     let view = far_slit();
     let size = [8, 128];
     let conditions = view.conditions(size).expect("sound");
-    let mut open = view.clone();
-    let low = DVec3::new(0.0, -500.0, 0.0);
-    open.scene.mesh = scene(
-        &[[low, low + 1e-3 * DVec3::X, low + 1e-3 * DVec3::Z]],
-        0.0,
-        0.0,
-    )
-    .mesh;
+    let open = without_casters(&view);
     let column = |light: Vec<f64>| -> Vec<f64> {
         (0..size[1] as usize)
             .map(|y| light[y * size[0] as usize + 4])

@@ -71,26 +71,12 @@ impl Lamp {
             check_form(&entry.name, entry.form)?;
             let without = match &entry.ignore {
                 None => None,
-                Some(material) => match housed.iter().find(|(name, _)| name == material) {
-                    Some((_, geometry)) => Some(geometry.clone()),
-                    None => {
-                        let names = scene.materials.iter().map(|m| m.name.as_str());
-                        if !names.clone().any(|name| name == material) {
-                            let remedy = match nearest(material, names) {
-                                Some(near) => format!("did you mean `{near}`?"),
-                                None => "the scene has no materials".to_owned(),
-                            };
-                            return Err(Error::input(
-                                named("ignore"),
-                                format!("the scene has no material `{material}`"),
-                                remedy,
-                            ));
-                        }
-                        let made = Arc::new(without(scene, material));
-                        housed.push((material, made.clone()));
-                        Some(made)
-                    }
-                },
+                Some(material) => Some(geometry_without(
+                    scene,
+                    material,
+                    || named("ignore"),
+                    &mut housed,
+                )?),
             };
             lamps.push(Lamp {
                 name: entry.name.clone(),
@@ -423,6 +409,33 @@ fn cone(apex: DVec3, axes: DMat3, a: f64, b: f64, ray: &Ray) -> [Option<f64>; 2]
     let q = -(linear + linear.signum() * under.sqrt());
     let root = |top: f64, under: f64| Some(foot + top / under).filter(|t| t.is_finite());
     [root(q, square), root(constant, q)]
+}
+
+/// The casters of a scene but those of a material, made once for all lamps that ignore it.
+fn geometry_without<'a>(
+    scene: &Scene,
+    material: &'a str,
+    place: impl FnOnce() -> String,
+    made: &mut Vec<(&'a str, Arc<Geometry>)>,
+) -> Result<Arc<Geometry>> {
+    if let Some((_, geometry)) = made.iter().find(|(name, _)| *name == material) {
+        return Ok(geometry.clone());
+    }
+    let names = scene.materials.iter().map(|m| m.name.as_str());
+    if !names.clone().any(|name| name == material) {
+        let remedy = match nearest(material, names) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "the scene has no materials".to_owned(),
+        };
+        return Err(Error::input(
+            place(),
+            format!("the scene has no material `{material}`"),
+            remedy,
+        ));
+    }
+    let geometry = Arc::new(without(scene, material));
+    made.push((material, geometry.clone()));
+    Ok(geometry)
 }
 
 /// The casters of a scene but those of a material.

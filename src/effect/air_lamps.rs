@@ -61,19 +61,26 @@ pub const AIR_LAMPS: Effect = Effect {
                 }
                 met.clear();
                 met.extend(spots.iter().filter_map(|(lamp, spot)| {
-                    let span = illuminated(lamp, spot, ray, end)?;
+                    let bends = lamp.bends(spot, ray);
+                    let span = illuminated(lamp, spot, ray, &bends, end)?;
                     let span = on_its_side(conditions, spot, ray, span)?;
                     let most = at_most(conditions, lamp, spot, ray, span);
-                    (most > 0.0).then_some((most, *lamp, *spot, span))
+                    (most > 0.0).then_some(Met {
+                        lamp,
+                        spot,
+                        span,
+                        bends,
+                        most,
+                    })
                 }));
-                met.sort_by(|a, b| b.0.total_cmp(&a.0));
-                let rests = rests(met.iter().map(|(most, ..)| *most));
+                met.sort_by(|a: &Met, b: &Met| b.most.total_cmp(&a.most));
+                let rests = rests(met.iter().map(|met| met.most));
                 let mut sum = DVec3::ZERO;
-                for ((_, lamp, spot, span), rest) in met.iter().zip(rests) {
+                for (met, rest) in met.iter().zip(rests) {
                     if rest <= left_out * luminance(sum) {
                         break;
                     }
-                    sum += scattered(conditions, lamp, spot, ray, *span, error, &mut shades);
+                    sum += scattered(conditions, met, ray, error, &mut shades);
                 }
                 present + sum
             });
@@ -105,9 +112,20 @@ fn decide(conditions: &Conditions) -> Decision {
     )
 }
 
+/// A spot of a lamp on whose light a ray may come.
+struct Met<'a> {
+    lamp: &'a Lamp,
+    spot: &'a Spot,
+    /// The part of the ray on which it may shine [m].
+    span: [f64; 2],
+    /// Where its light begins, ends or bends along the ray [m].
+    bends: Vec<f64>,
+    /// The most that it adds [cd/m2, luminance].
+    most: f64,
+}
+
 /// The part of the first `end` metres of a ray on which a spot may shine.
-fn illuminated(lamp: &Lamp, spot: &Spot, ray: &Ray, end: f64) -> Option<[f64; 2]> {
-    let bends = lamp.bends(spot, ray);
+fn illuminated(lamp: &Lamp, spot: &Spot, ray: &Ray, bends: &[f64], end: f64) -> Option<[f64; 2]> {
     let inner = bends.iter().copied().filter(|t| *t > 0.0 && *t < end);
     let mut hull: Option<[f64; 2]> = None;
     let mut from = 0.0;
@@ -180,13 +198,13 @@ fn at_most(
 /// What a spot adds on a span of a ray [cd/m2, RGB].
 fn scattered(
     conditions: &Conditions,
-    lamp: &Lamp,
-    spot: &Spot,
+    met: &Met<'_>,
     ray: &Ray,
-    [from, to]: [f64; 2],
     error: f64,
     shades: &mut Vec<Shade>,
 ) -> DVec3 {
+    let Met { lamp, spot, .. } = met;
+    let [from, to] = met.span;
     let part = Ray {
         origin: ray.at(from),
         direction: ray.direction,
@@ -203,7 +221,6 @@ fn scattered(
         shape: &shape,
         detail: lamp.distribution.detail(),
     };
-    let bends = lamp.bends(spot, ray);
     let scattering = LocalScattering::new(
         &conditions.air,
         ray.origin,
@@ -212,7 +229,7 @@ fn scattered(
         spot.position,
         spot.radius,
     )
-    .shaped(pattern, &bends, error);
+    .shaped(pattern, &met.bends, error);
     let sum: DVec3 = lit
         .iter()
         .map(|([a, b], pass)| *pass * scattering.integrate(from + a, from + b))

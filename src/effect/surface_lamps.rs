@@ -3,8 +3,8 @@
 //! L = albedo / pi * sum over lamps of integral over the lamp of I(direction) cos(theta) V e^-tau / d^2 ([`crate::conditions::received`]
 //! has the method). A surface whose own triangle faces away is dark, whatever its interpolated normal says.
 
-use super::surface_sun::clearance;
-use super::{Contribution, Decision, Effect, Field, Knob, Source, Surface};
+use super::surface_sun::shadow_start;
+use super::{Contribution, Decision, Effect, Field, Knob, Surface};
 use crate::conditions::received::{Care, Place, received};
 use crate::conditions::{Conditions, Receivers};
 use std::f64::consts::PI;
@@ -85,13 +85,10 @@ pub(super) fn counted(lamps: usize) -> String {
 
 /// A surface as a place that receives light.
 fn place(conditions: &Conditions, surface: &Surface) -> Place {
-    let near = clearance(conditions, surface.position);
+    let (origin, near) = shadow_start(conditions, surface);
     Place {
         position: surface.position,
-        origin: match surface.source {
-            Source::Ground => surface.position,
-            _ => surface.position + near * surface.facet,
-        },
+        origin,
         near,
         facet: surface.facet,
         normal: surface.normal,

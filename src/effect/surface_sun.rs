@@ -13,7 +13,7 @@
 use super::shafts::{DISC, SUNS};
 use super::{
     Contribution, Decision, Effect, Field, Knob, Number, Over, Pass, Resource, Settings, Source,
-    When, sun_beams,
+    Surface, When, sun_beams,
 };
 use crate::beam::Beam;
 use crate::conditions::Conditions;
@@ -55,11 +55,7 @@ pub const SURFACE_SUN: Effect = Effect {
                 if !surface.is_met() {
                     return present;
                 }
-                let near = clearance(conditions, surface.position);
-                let origin = match surface.source {
-                    Source::Ground => surface.position,
-                    _ => surface.position + near * surface.facet,
-                };
+                let (origin, near) = shadow_start(conditions, surface);
                 if let Some((beam, disc)) = &whole {
                     let facing = Facing {
                         facet: surface.facet,
@@ -142,6 +138,16 @@ fn beams(conditions: &Conditions, settings: &Settings<'_>) -> Vec<Beam> {
         Some(beam) => vec![beam],
         None => sun_beams(conditions, settings),
     }
+}
+
+/// Where shadow rays leave a surface [m], and what they meet nearer than which is the surface itself [m].
+pub(super) fn shadow_start(conditions: &Conditions, surface: &Surface) -> (DVec3, f64) {
+    let near = clearance(conditions, surface.position);
+    let origin = match surface.source {
+        Source::Ground => surface.position,
+        _ => surface.position + near * surface.facet,
+    };
+    (origin, near)
 }
 
 /// How far a shadow ray must go before it counts what it meets [m]: above the rounding of the position it leaves from.

@@ -19,18 +19,7 @@ pub(super) fn lamps_on(conditions: &Conditions, patch: &Patch, near: f64, turn: 
     if conditions.lamps.is_empty() {
         return DVec3::ZERO;
     }
-    let mut order = Vec::new();
-    let mut of = |i: usize| {
-        let spot = patch.spot(&spread(i, turn));
-        let place = Place {
-            position: spot.point,
-            origin: spot.point + near * spot.normal,
-            near: 0.0,
-            facet: spot.normal,
-            normal: spot.normal,
-        };
-        received(conditions, &place, &Care::COARSE, &mut order)
-    };
+    let mut of = at_points(conditions, patch, near, turn);
     let [few, many] = SPOTS;
     let found: Vec<DVec3> = (0..few).map(&mut of).collect();
     let sum: DVec3 = found.iter().sum();
@@ -45,7 +34,29 @@ pub(super) fn lamps_on(conditions: &Conditions, patch: &Patch, near: f64, turn: 
     (sum + (few..many).map(of).sum::<DVec3>()) / many as f64
 }
 
-/// Whether any lamp reaches a patch, as few of its points say.
+/// Whether any lamp reaches a patch: whether [`lamps_on`] is more than nothing, as the first lit point tells.
 pub(super) fn is_reached(conditions: &Conditions, patch: &Patch, near: f64, turn: u64) -> bool {
-    lamps_on(conditions, patch, near, turn) != DVec3::ZERO
+    let mut of = at_points(conditions, patch, near, turn);
+    (0..SPOTS[1]).any(|i| of(i) != DVec3::ZERO)
+}
+
+/// What the points of a patch receive, by number [lx, RGB].
+fn at_points<'a>(
+    conditions: &'a Conditions,
+    patch: &'a Patch,
+    near: f64,
+    turn: u64,
+) -> impl FnMut(usize) -> DVec3 + 'a {
+    let mut order = Vec::new();
+    move |i| {
+        let spot = patch.spot(&spread(i, turn));
+        let place = Place {
+            position: spot.point,
+            origin: spot.point + near * spot.normal,
+            near: 0.0,
+            facet: spot.normal,
+            normal: spot.normal,
+        };
+        received(conditions, &place, &Care::COARSE, &mut order)
+    }
 }

@@ -31,6 +31,19 @@ pub fn view(triangles: &[Corners], [azimuth, elevation]: [f64; 2], camera: Camer
     }
 }
 
+/// The same with nothing but a speck far below.
+pub fn without_casters(view: &StudyView) -> StudyView {
+    let mut open = view.clone();
+    let low = DVec3::new(0.0, -500.0, 0.0);
+    open.scene.mesh = scene(
+        &[[low, low + 1e-3 * DVec3::X, low + 1e-3 * DVec3::Z]],
+        0.0,
+        0.0,
+    )
+    .mesh;
+    open
+}
+
 /// Seen from above, or along the fog, or aslant.
 pub fn cameras() -> [Camera; 3] {
     let at = |eye: DVec3, target: DVec3| Camera::look_at(eye, target, 24f64.to_radians());
