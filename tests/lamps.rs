@@ -17,34 +17,6 @@ use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{Camera, LampEntry, LampForm, PunctualKind, PunctualLight, Scene};
 use tyndall::studies::scenes::fog;
 
-/// What lamps give to points that face a direction [lx], green.
-fn received(scene: Scene, points: &[(DVec3, DVec3)], wanted: Wanted, field: Field) -> Vec<f64> {
-    let receivers: Vec<Receiver> = points
-        .iter()
-        .map(|(p, n)| Receiver::new(*p, *n).expect("they are sound"))
-        .collect();
-    let seen = conditions(
-        scene,
-        Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 1.0),
-        [8, 8],
-    );
-    let seen = seen
-        .seen_from(View::of_points(receivers))
-        .expect("points are sound");
-    let overrules = Overrules {
-        quality: Quality::High,
-        ..Overrules::default()
-    };
-    let plan = Plan::new(&seen, &overrules).expect("the plan is sound");
-    let mut backend = Backend::open(wanted).expect("there is one");
-    let rendered = backend.render(&plan, &Limits::default(), &|_| {});
-    let frame = rendered.expect("it can be rendered").frame;
-    let found = frame.layer(field.name());
-    (0..points.len())
-        .map(|i| found.map_or(0.0, |layer| f64::from(layer.rgb[i][1])))
-        .collect()
-}
-
 #[test]
 fn surfaces_get_what_the_inverse_square_and_the_cosine_say() {
     let lamps = vec![

@@ -101,14 +101,15 @@ fn named<const N: usize>(all: [(&'static str, bool); N]) -> Vec<&'static str> {
 /// The keys of a sky that there is not. Clear air between eye and mountains takes the turbidity.
 fn of_sky(scene: &Scene) -> Option<Warning> {
     let entry = &scene.sky;
-    let keys: Vec<&str> = [
-        ("turbidity", entry.turbidity.filter(|_| scene.air.is_none())),
-        ("direct_normal", entry.direct_normal),
-        ("diffuse_horizontal", entry.diffuse_horizontal),
-    ]
-    .into_iter()
-    .filter_map(|(key, value)| value.map(|_| key))
-    .collect();
+    let keys = named([
+        ("model", entry.model.is_some()),
+        (
+            "turbidity",
+            entry.turbidity.is_some() && scene.air.is_none(),
+        ),
+        ("direct_normal", entry.direct_normal.is_some()),
+        ("diffuse_horizontal", entry.diffuse_horizontal.is_some()),
+    ]);
     (!keys.is_empty()).then_some(Warning::UnusedSky { keys })
 }
 

@@ -9,6 +9,7 @@ use super::lamps::is_reached;
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
+use super::pools::Pool;
 use super::transport::{Detail, Look, Transport, WHOLE};
 use crate::conditions::Conditions;
 use crate::error::Result;
@@ -83,6 +84,7 @@ impl Transport {
             patches,
             exchange: Exchange::default(),
             openings: Openings::default(),
+            pools: Vec::new(),
             gaps: Vec::new(),
             by_gaps: Vec::new(),
             seen: Seen::new(),
@@ -90,6 +92,8 @@ impl Transport {
             detail,
             notes: Vec::new(),
         };
+        let pool = |lamp| Pool::of(&transport, lamp);
+        transport.pools = conditions.lamps.iter().filter_map(pool).collect();
         let all = vec![true; transport.patches.all.len()];
         let (gaps, through) = match detail.hemicube {
             0 => transport.find_gaps(task)?,
@@ -97,13 +101,12 @@ impl Transport {
         };
         transport.gaps = gaps;
         let few = transport.rows(&all, &[], FEW, task.part(0.1, 0.2))?;
-        let near = transport.near(DVec3::ZERO);
         let by_lamps: Vec<bool> = match conditions.lamps.is_empty() {
             true => Vec::new(),
             false => {
-                let patches = transport.patches.all.par_iter().enumerate();
+                let patches = (0..transport.patches.all.len()).into_par_iter();
                 patches
-                    .map(|(i, patch)| is_reached(conditions, patch, near, i as u64))
+                    .map(|patch| is_reached(&transport, conditions, patch))
                     .collect()
             }
         };

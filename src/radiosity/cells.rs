@@ -266,7 +266,12 @@ pub(super) fn faces(
         }
     }
     if let Some(ground) = conditions.ground {
-        let (low, high) = conditions.geometry.bounds();
+        let (mut low, mut high) = conditions.geometry.bounds();
+        for lamp in conditions.lamps.iter() {
+            let at = lamp.middle();
+            low = low.min(at.with_y(ground.height));
+            high = high.max(at);
+        }
         let middle = 0.5 * (low + high);
         let origin = DVec3::new(middle.x, ground.height, middle.z);
         let side = GROUND * (high - low).length().max(1e-3);
@@ -286,7 +291,7 @@ pub(super) fn faces(
         task.check()?;
         let number = square.face;
         let face = &mut faces[number];
-        let wants = wants_quarters(face, surfaces, &square, share);
+        let wants = wants_quarters(conditions, face, surfaces, &square, share);
         if !wants || leaves + 3 > most {
             coarse |= wants;
             let cell = keep(conditions, face, surfaces, square);
@@ -380,8 +385,15 @@ impl Ord for Side {
     }
 }
 
-/// Whether a square is larger than its share of something that stands on it, or no farther from it than it is wide.
-fn wants_quarters(face: &Face, surfaces: &Surfaces, square: &Open, share: f64) -> bool {
+/// Whether a square is larger than its share of something that stands on it, or no farther from it than it is wide; one of the ground
+/// also than that of the height of a lamp above it.
+fn wants_quarters(
+    conditions: &Conditions,
+    face: &Face,
+    surfaces: &Surfaces,
+    square: &Open,
+    share: f64,
+) -> bool {
     let least = square.side / share;
     let own = square.pieces.iter().any(|(triangle, _)| {
         let size = surfaces.sizes.get(*triangle as usize);
@@ -397,6 +409,13 @@ fn wants_quarters(face: &Face, surfaces: &Surfaces, square: &Open, share: f64) -
         // What stands high above the ground shades it far away.
         reach *= 2.0;
         (low, high) = (low - 0.5 * reach, high + 0.5 * reach);
+        let under_lamp = conditions.lamps.iter().any(|lamp| {
+            let (at, height) = (plane.flat(lamp.middle()), plane.height(lamp.middle()));
+            (0.0..least).contains(&height) && at.cmpge(low).all() && at.cmple(high).all()
+        });
+        if under_lamp {
+            return true;
+        }
     }
     let bounds = plane.space([low, high], [0.0, reach]);
     // What only touches the border of a square stands near its neighbour too.
@@ -493,7 +512,7 @@ fn cuts(
     let mut lines: Vec<(DVec2, f64, f64)> = Vec::new();
     surfaces.within(bounds.0, bounds.1, |triangle| {
         let corners = corners(conditions, triangle);
-        let heights = corners.map(|p| (p - plane.origin).dot(plane.normal) - lift);
+        let heights = corners.map(|p| plane.height(p) - lift);
         let mut ends: Vec<DVec2> = Vec::new();
         for i in 0..3 {
             let (a, b) = (heights[i], heights[(i + 1) % 3]);

@@ -2,13 +2,14 @@
 //!
 //! Directions lie in equal cells of a square that is mapped to the sphere or the hemisphere. Where a cell and its
 //! neighbour differ (one sees the sky, the other a wall), an outline runs through, and the cell is quartered until outlines are known
-//! well enough; openings that are known to be somewhere are looked for, however small they are from there, and small gaps are looked
-//! through ([`super::gaps`]). The same directions
+//! well enough; openings that are known to be somewhere are looked for, however small they are from there, pools of lamp light are looked at
+//! closely ([`super::pools`]), and small gaps are looked through ([`super::gaps`]). The same directions
 //! everywhere let what is found change smoothly from place to place; each lies elsewhere in its cell, since an outline that runs along
 //! the cells' borders would be off by the same in all of them.
 
 use super::arrival::{Arrival, Care, Map, Source, spread};
 use super::gaps::{Gap, Way};
+use super::pools::looked_at;
 use super::transport::{Look, Transport, WHOLE};
 use crate::scene::Ray;
 use glam::DVec3;
@@ -234,6 +235,16 @@ impl Transport {
         if !gaps.is_empty() {
             places.retain(|[x, y]| !is_through(&gaps, origin, map.toward(*x, *y)));
         }
+        let quarter = |view: &mut View, leaf: u32| {
+            let first = view.squares.len() as u32;
+            let (own, i, j) = view.squares[leaf as usize].at;
+            view.squares[leaf as usize].quarters = first;
+            for quarter in 0..4 {
+                let (i, j) = (2 * i + quarter % 2, 2 * j + quarter / 2);
+                view.squares.push(see(own + 1, i, j, &gaps));
+            }
+            first
+        };
         for level in 0..LEVELS[1] {
             let mut open: Vec<u32> = match level < LEVELS[0] {
                 true => view.outline(level),
@@ -272,19 +283,33 @@ impl Transport {
                 break;
             }
             while let Some(leaf) = open.pop() {
-                let (own, i, j) = view.squares[leaf as usize].at;
-                if view.squares[leaf as usize].quarters != 0 || own > level {
+                let Square { at, quarters, .. } = view.squares[leaf as usize];
+                if quarters != 0 || at.0 > level {
                     continue;
                 }
-                let first = view.squares.len() as u32;
-                view.squares[leaf as usize].quarters = first;
-                for quarter in 0..4 {
-                    let (i, j) = (2 * i + quarter % 2, 2 * j + quarter / 2);
-                    view.squares.push(see(own + 1, i, j, &gaps));
-                }
+                let first = quarter(&mut view, leaf);
                 if outlined {
                     for quarter in first..first + 4 {
                         view.differing(quarter, &mut open);
+                    }
+                }
+            }
+        }
+        for pool in looked_at(&self.pools, origin, map) {
+            for level in 0..LEVELS[1] {
+                let weight = whole / f64::from(n << level).powi(2);
+                if weight <= pool.weight {
+                    break;
+                }
+                let is_on = |square: &Square| {
+                    let toward = square.arrival.toward.as_dvec3();
+                    square.at.0 == level
+                        && square.quarters == 0
+                        && pool.holds(toward, map.width(weight, toward))
+                };
+                for leaf in 0..view.squares.len() {
+                    if is_on(&view.squares[leaf]) {
+                        quarter(&mut view, leaf as u32);
                     }
                 }
             }

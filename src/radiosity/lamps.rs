@@ -1,25 +1,117 @@
-//! What lamps give to each patch.
+//! What lamps give to each patch, and where on it.
 //!
-//! By points all over it: few, and many where these differ by more than a few percent, as in a cone of light or at the edge of a shadow.
+//! On part of a plane tile by tile; around the axis of a beam and beside a lamp tiles are as fine as its light may be narrow there. On
+//! other patches by points all over them: few, and many where these differ by more than a few percent.
 
 use super::arrival::spread;
-use super::patches::Patch;
+use super::cells::{Face, Part};
+use super::direct::{Direct, Look, Watched};
+use super::transport::Transport;
 use crate::conditions::Conditions;
 use crate::conditions::received::{Care, Place, received};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::cell::RefCell;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Points of a patch: first, and where they differ.
+/// Points of a patch that is no part of a plane: first, and where they differ.
 const SPOTS: [usize; 2] = [16, 128];
 
-/// What differs by more of the mean is not alike [1].
+/// What differs by more of the mean, or of the brightest tile, is not alike [1].
 const ALIKE: f64 = 0.05;
 
-/// The mean illuminance of a patch by lamps [lx, RGB]; `near` is how far from it shadow rays leave it [m], `turn` tells it from the others.
-pub(super) fn lamps_on(conditions: &Conditions, patch: &Patch, near: f64, turn: u64) -> DVec3 {
-    if conditions.lamps.is_empty() {
-        return DVec3::ZERO;
+/// The level of tiles that is looked at first.
+const FIRST: u32 = 2;
+
+/// Shadow rays to each of the finest tiles where light is uneven.
+const EDGE: usize = 16;
+
+/// Finds it for the lamps of `conditions`.
+pub(super) fn lamps_on(transport: &Transport, conditions: &Conditions, patch: usize) -> Direct {
+    if conditions.lamps.is_empty() || !transport.exchange.sees(patch) {
+        return Direct::default();
     }
-    let mut of = at_points(conditions, patch, near, turn);
+    let near = transport.near(DVec3::ZERO);
+    if let Some((face, part)) = transport.patches.part(patch) {
+        let order = RefCell::new(Vec::new());
+        let look = Look {
+            face,
+            part,
+            arrives: |point| {
+                let place = place(point, face.plane.normal, near);
+                received(conditions, &place, &Care::COARSE, &mut order.borrow_mut())
+            },
+            alike: ALIKE,
+            most: None,
+            level: FIRST,
+            edge: EDGE,
+            watched: watched(conditions, face, part),
+        };
+        if let Some(direct) = look.direct(DVec3::ONE) {
+            return direct;
+        }
+    }
+    Direct {
+        mean: by_points(transport, conditions, patch),
+        tiles: Vec::new(),
+    }
+}
+
+/// Whether any lamp reaches a patch, as the first lit point tells; `near` is how far from it shadow rays leave it [m].
+pub(super) fn is_reached(transport: &Transport, conditions: &Conditions, patch: usize) -> bool {
+    let mut of = at_points(transport, conditions, patch);
+    if (0..SPOTS[1]).any(|i| of(i) != DVec3::ZERO) {
+        return true;
+    }
+    let near = transport.near(DVec3::ZERO);
+    transport.patches.part(patch).is_some_and(|(face, part)| {
+        watched(conditions, face, part).iter().any(|watched| {
+            let place = place(face.plane.point(watched.at), face.plane.normal, near);
+            let arrives = received(conditions, &place, &Care::COARSE, &mut Vec::new());
+            part.covers(watched.at) && arrives != DVec3::ZERO
+        })
+    })
+}
+
+/// Where on a part of a plane light may be narrow: where the axes of beams meet it, and nearest to lamps.
+fn watched(conditions: &Conditions, face: &Face, part: &Part) -> Vec<Watched> {
+    let plane = &face.plane;
+    let mut watched = Vec::new();
+    // Where it is, and how far it reaches on each side: its middle may lie beyond the border.
+    let mut add = |at: DVec2, width: f64| {
+        let reach = DVec2::splat(0.5 * width);
+        if (at + reach).cmpge(part.low).all() && (at - reach).cmple(part.high).all() {
+            // On the rim, and in the middle.
+            let rim = (0..8).map(|k| DVec2::from_angle(0.25 * PI * f64::from(k)));
+            watched.extend(rim.chain([DVec2::ZERO]).map(|to| Watched {
+                at: (at + reach * to).clamp(part.low, part.high),
+                width,
+            }));
+        }
+    };
+    for lamp in conditions.lamps.iter() {
+        let middle = lamp.middle();
+        let height = plane.height(middle);
+        if height <= 0.0 {
+            continue;
+        }
+        let extent = lamp.extent();
+        add(plane.flat(middle), height + extent);
+        let (axis, cone) = (lamp.pose.toward, lamp.distribution.cone());
+        let down = -axis.dot(plane.normal);
+        if down > 0.0 && cone < FRAC_PI_2 {
+            let way = height / down;
+            add(
+                plane.flat(middle + way * axis),
+                2.0 * way * cone.tan() + extent,
+            );
+        }
+    }
+    watched
+}
+
+/// The mean illuminance of a patch by points all over it [lx, RGB].
+fn by_points(transport: &Transport, conditions: &Conditions, patch: usize) -> DVec3 {
+    let mut of = at_points(transport, conditions, patch);
     let [few, many] = SPOTS;
     let found: Vec<DVec3> = (0..few).map(&mut of).collect();
     let sum: DVec3 = found.iter().sum();
@@ -34,29 +126,29 @@ pub(super) fn lamps_on(conditions: &Conditions, patch: &Patch, near: f64, turn: 
     (sum + (few..many).map(of).sum::<DVec3>()) / many as f64
 }
 
-/// Whether any lamp reaches a patch: whether [`lamps_on`] is more than nothing, as the first lit point tells.
-pub(super) fn is_reached(conditions: &Conditions, patch: &Patch, near: f64, turn: u64) -> bool {
-    let mut of = at_points(conditions, patch, near, turn);
-    (0..SPOTS[1]).any(|i| of(i) != DVec3::ZERO)
-}
-
 /// What the points of a patch receive, by number [lx, RGB].
 fn at_points<'a>(
+    transport: &'a Transport,
     conditions: &'a Conditions,
-    patch: &'a Patch,
-    near: f64,
-    turn: u64,
+    patch: usize,
 ) -> impl FnMut(usize) -> DVec3 + 'a {
+    let own = &transport.patches.all[patch];
+    let near = transport.near(DVec3::ZERO);
     let mut order = Vec::new();
     move |i| {
-        let spot = patch.spot(&spread(i, turn));
-        let place = Place {
-            position: spot.point,
-            origin: spot.point + near * spot.normal,
-            near: 0.0,
-            facet: spot.normal,
-            normal: spot.normal,
-        };
+        let spot = own.spot(&spread(i, patch as u64));
+        let place = place(spot.point, spot.normal, near);
         received(conditions, &place, &Care::COARSE, &mut order)
+    }
+}
+
+/// A point of a patch, which shadow rays leave `near` [m] above it.
+fn place(point: DVec3, normal: DVec3, near: f64) -> Place {
+    Place {
+        position: point,
+        origin: point + near * normal,
+        near: 0.0,
+        facet: normal,
+        normal,
     }
 }

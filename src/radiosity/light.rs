@@ -30,7 +30,7 @@ pub struct Light {
     open_sky: DVec3,
     /// Means over the patches.
     patches: Vec<DVec3>,
-    /// By patch: the radiance of each tile less the mean, where the sun lights the patch in part.
+    /// By patch: the radiance of each tile less the mean, where sun or lamps light the patch unevenly.
     tiles: Vec<Tiles>,
     /// The account of energy.
     pub account: Account,
@@ -90,16 +90,11 @@ impl Light {
                     .map(|(source, _, through)| through.as_dvec3() * light.radiance(*source))
                     .sum();
                 let sun = sun_on(transport, conditions, patch);
-                let own = &transport.patches.all[patch];
-                let near = transport.near(DVec3::ZERO);
-                let lamps = match transport.exchange.sees(patch) {
-                    true => lamps_on(conditions, own, near, patch as u64),
-                    false => DVec3::ZERO,
-                };
-                let sent = (own.albedo / PI).as_vec3();
-                let tiles = sun.tiles.into_iter();
+                let lamps = lamps_on(transport, conditions, patch);
+                let sent = (transport.patches.all[patch].albedo / PI).as_vec3();
+                let tiles = together(sun.tiles, lamps.tiles).into_iter();
                 let tiles = tiles.map(|(tile, off)| (tile, sent * off)).collect();
-                Ok((PI * sky + sun.mean + lamps, tiles))
+                Ok((PI * sky + sun.mean + lamps.mean, tiles))
             })
             .collect();
         let (irradiance, tiles): (Vec<DVec3>, Vec<Tiles>) = received?.into_iter().unzip();
@@ -193,6 +188,19 @@ fn off(tiles: &[(Tile, Vec3)], tile: Tile) -> Option<Vec3> {
         around = tile.whole();
     }
     None
+}
+
+/// The sum of two sets of tiles, each of which holds for all of its quarters that it does not have.
+fn together(one: Vec<(Tile, Vec3)>, other: Vec<(Tile, Vec3)>) -> Vec<(Tile, Vec3)> {
+    if one.is_empty() || other.is_empty() {
+        return [one, other].concat();
+    }
+    let mut tiles: Vec<Tile> = one.iter().chain(&other).map(|(tile, _)| *tile).collect();
+    tiles.sort_unstable();
+    tiles.dedup();
+    let of = |all: &[(Tile, Vec3)], tile| off(all, tile).unwrap_or(Vec3::ZERO);
+    let sum = |tile: Tile| (tile, of(&one, tile) + of(&other, tile));
+    tiles.into_iter().map(sum).collect()
 }
 
 /// What ground receives that lies open: from the sky, and from the sun [lx, RGB].

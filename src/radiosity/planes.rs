@@ -55,6 +55,11 @@ impl Plane {
         DVec2::new(p.dot(self.axes[0]), p.dot(self.axes[1]))
     }
 
+    /// How high a point lies above it, on the side of the normal [m].
+    pub fn height(&self, point: DVec3) -> f64 {
+        (point - self.origin).dot(self.normal)
+    }
+
     /// The point of coordinates.
     pub fn point(&self, at: DVec2) -> DVec3 {
         self.origin + at.x * self.axes[0] + at.y * self.axes[1]

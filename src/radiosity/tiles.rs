@@ -1,6 +1,6 @@
 //! Where on a patch light comes from.
 //!
-//! A patch sends the same light from everywhere but for the sun, whose shadows have edges. How closely it is told where a ray has
+//! A patch sends the same light from everywhere but for that of sun and lamps, which falls unevenly. How closely it is told where a ray has
 //! met a patch goes by how much the ray stands for: from afar a patch is one whole, from near by it has tiles.
 
 use glam::DVec2;

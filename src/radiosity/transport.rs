@@ -7,6 +7,7 @@ use super::gaps::Gap;
 use super::openings::Openings;
 use super::patches::Patches;
 use super::points::Seen;
+use super::pools::Pool;
 use super::tiles::Tile;
 use crate::conditions::Conditions;
 use crate::scene::{Hit, Ray, opacity};
@@ -42,6 +43,8 @@ pub struct Transport {
     pub(super) patches: Patches,
     pub(super) exchange: Exchange,
     pub(super) openings: Openings,
+    /// Where the beams of lamps meet surfaces.
+    pub(super) pools: Vec<Pool>,
     pub(super) gaps: Vec<Gap>,
     /// Which patches light reaches through small gaps alone; none of them, where there are no gaps.
     pub(super) by_gaps: Vec<bool>,

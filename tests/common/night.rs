@@ -1,16 +1,17 @@
 //! Scenes that lamps alone light, and their pictures.
 
-use super::build::{cuboid, scene};
+use super::build::{conditions, cuboid, scene};
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
-use tyndall::backend::Limits;
 use tyndall::backend::reference::Reference;
-use tyndall::conditions::Conditions;
+use tyndall::backend::{Backend, Limits, Wanted};
+use tyndall::conditions::{Conditions, Receiver, View};
+use tyndall::effect::Field;
 use tyndall::frame::Frame;
 use tyndall::medium::{Medium, Phase, Shape};
 use tyndall::photometry::Distribution;
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{LampEntry, LampForm, Scene};
+use tyndall::scene::{Camera, LampEntry, LampForm, Scene};
 use tyndall::studies::scenes::{Corners, fog};
 
 pub const DEG: f64 = PI / 180.0;
@@ -96,4 +97,32 @@ pub fn posts() -> Vec<Corners> {
         ));
     }
     triangles
+}
+
+/// What lamps give to points that face a direction [lx], green.
+pub fn received(scene: Scene, points: &[(DVec3, DVec3)], wanted: Wanted, field: Field) -> Vec<f64> {
+    let receivers: Vec<Receiver> = points
+        .iter()
+        .map(|(p, n)| Receiver::new(*p, *n).expect("they are sound"))
+        .collect();
+    let seen = conditions(
+        scene,
+        Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 1.0),
+        [8, 8],
+    );
+    let seen = seen
+        .seen_from(View::of_points(receivers))
+        .expect("points are sound");
+    let overrules = Overrules {
+        quality: Quality::High,
+        ..Overrules::default()
+    };
+    let plan = Plan::new(&seen, &overrules).expect("the plan is sound");
+    let mut backend = Backend::open(wanted).expect("there is one");
+    let rendered = backend.render(&plan, &Limits::default(), &|_| {});
+    let frame = rendered.expect("it can be rendered").frame;
+    let found = frame.layer(field.name());
+    (0..points.len())
+        .map(|i| found.map_or(0.0, |layer| f64::from(layer.rgb[i][1])))
+        .collect()
 }
