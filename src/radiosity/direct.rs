@@ -19,8 +19,9 @@ pub(super) struct Direct {
     pub tiles: Vec<(Tile, Vec3)>,
 }
 
-/// Places looked at in a finest tile that is watched: so many on what is as wide as half of the tile; more on what is narrower, up to the second number.
-const WATCHED: [f64; 2] = [2048.0, 65536.0];
+/// Places looked at in a finest tile that is watched: so many where what is there is half as wide, and more where it is narrower, up to
+/// the second number.
+const WATCHED: [f64; 2] = [512.0, 65536.0];
 
 /// What arrives in a tile, and the share of the tile that is there [1].
 #[derive(Clone, Copy, Default)]
@@ -69,8 +70,8 @@ pub(super) struct Look<'a, F> {
     pub most: Option<f64>,
     /// The level that is looked at first.
     pub level: u32,
-    /// Places looked at in each of the finest tiles along an edge.
-    pub edge: usize,
+    /// Places looked at in all of the finest tiles along edges together; in each at least two, and at most so many.
+    pub edge: [usize; 2],
     /// Where tiles are quartered however even it is around them.
     pub watched: Vec<Watched>,
 }
@@ -203,6 +204,9 @@ impl<F: Fn(DVec3) -> DVec3> Look<'_, F> {
             true => self.watched(level + 1),
             false => Vec::new(),
         };
+        let [together, most] = self.edge;
+        let uneven = 4 * even.iter().filter(|even| !**even).count();
+        let edge = (together / uneven.max(1)).clamp(2, most);
         let quarter = |k: usize| {
             let (i, j) = (k % (2 * side), k / (2 * side));
             let whole = j / 2 * side + i / 2;
@@ -211,7 +215,7 @@ impl<F: Fn(DVec3) -> DVec3> Look<'_, F> {
             }
             let places = match watched.iter().find(|(tile, _)| *tile == k) {
                 Some((_, places)) => *places,
-                None if is_finest => self.edge,
+                None if is_finest => edge,
                 None => 1,
             };
             self.tile(level + 1, i, j, places)

@@ -22,8 +22,8 @@ const ALIKE: f64 = 0.05;
 /// The level of tiles that is looked at first.
 const FIRST: u32 = 2;
 
-/// Shadow rays to each of the finest tiles where light is uneven.
-const EDGE: usize = 16;
+/// Shadow rays to all of a patch's finest tiles where light is uneven, and to each of them at most.
+const EDGE: [usize; 2] = [512, 16];
 
 /// Finds it for the lamps of `conditions`.
 pub(super) fn lamps_on(transport: &Transport, conditions: &Conditions, patch: usize) -> Direct {

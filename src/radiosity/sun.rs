@@ -18,8 +18,8 @@ const RAYS: [usize; 2] = [16, 128];
 /// finest cells.
 const FIRST: u32 = 2;
 
-/// Shadow rays to each of the finest tiles along an edge.
-const EDGE: usize = 2;
+/// Shadow rays to the finest tiles along an edge: two to each.
+const EDGE: [usize; 2] = [0, 2];
 
 /// What differs by more of the sun's light is not alike [1].
 const ALIKE: f64 = 0.02;
