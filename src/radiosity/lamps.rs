@@ -6,6 +6,7 @@ use super::arrival::spread;
 use super::patches::Patch;
 use crate::conditions::Conditions;
 use crate::conditions::received::{Care, Place, received};
+use crate::conditions::volumes::Queue;
 use glam::DVec3;
 
 /// Points of a patch: first, and where they differ.
@@ -47,7 +48,7 @@ fn at_points<'a>(
     near: f64,
     turn: u64,
 ) -> impl FnMut(usize) -> DVec3 + 'a {
-    let mut order = Vec::new();
+    let mut queue = Queue::default();
     move |i| {
         let spot = patch.spot(&spread(i, turn));
         let place = Place {
@@ -57,6 +58,6 @@ fn at_points<'a>(
             facet: spot.normal,
             normal: spot.normal,
         };
-        received(conditions, &place, &Care::COARSE, &mut order)
+        received(conditions, &place, &Care::COARSE, &mut queue).0
     }
 }
