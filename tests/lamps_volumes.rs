@@ -294,13 +294,17 @@ fn a_scene_without_lamps_pays_nothing_for_them() {
     if !common::gpu("a_scene_without_lamps_pays_nothing_for_them") {
         return;
     }
-    let of = |plan: &Plan| {
-        let mut gpu = shafts::gpu();
-        let done = gpu
-            .render(plan, &Limits::default(), &|_| {})
-            .expect("it fits");
+    // Pipelines and scene of a plan without them are on the device.
+    let mut gpu = shafts::gpu();
+    let mut of = |plan: &Plan| {
+        gpu.forget();
+        let done = gpu.render(plan, &Limits::default(), &|_| {});
+        let done = done.expect("it fits");
         let passes: Vec<_> = done.steps.iter().map(|s| (s.effect.name, s.pass)).collect();
         (passes, done.made.pipelines, done.traffic)
     };
-    assert_eq!(of(&plan), of(&bare));
+    of(&bare);
+    let with = of(&plan);
+    assert_eq!(with.1, 0, "no pipeline more");
+    assert_eq!(with, of(&bare));
 }
