@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use tyndall::scene::Scene;
+use tyndall::scene::load;
 
 const PAGE: &str = "docs/scene.md";
 const BEGIN: &str =
@@ -199,7 +199,7 @@ fn every_key_stands_in_an_example_which_is_a_scene() {
     for (number, example) in examples.iter().enumerate() {
         let path = folder.join(format!("{number}.toml"));
         std::fs::write(&path, example).expect("there is room");
-        if let Err(error) = Scene::load(&path) {
+        if let Err(error) = load(&path) {
             panic!("example {number}: {error} ({})\n{example}", error.remedy());
         }
     }

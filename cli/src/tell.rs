@@ -7,7 +7,7 @@ use tyndall::Error;
 use tyndall::backend::convergence::Convergence;
 use tyndall::backend::{Rendered, Step};
 use tyndall::conditions::Conditions;
-use tyndall::effect::Contribution;
+use tyndall::effect::{Contribution, Paid};
 use tyndall::plan::Plan;
 use tyndall::warning::Warning;
 
@@ -136,6 +136,17 @@ pub fn rendered(rendered: &Rendered, ev100: f64, stages: &[(String, f64)]) {
             "samples",
             format!("{} pixels at edges resampled", rendered.refined),
         );
+    }
+    for step in &rendered.steps {
+        if let Some(Paid { rays, met, pairs }) = step.paid {
+            let name = step.effect.name;
+            line(
+                "lamps",
+                format!(
+                    "{name}: {met} of {rays} rays met the light of one, {pairs} of lamps in all"
+                ),
+            );
+        }
     }
     for note in &rendered.notes {
         line("light", note);

@@ -9,7 +9,7 @@ use super::film::Film;
 use super::rendering::{Limits, PICTURE, Rendered, StartUp, StepTime};
 use crate::colour::luminance;
 use crate::conditions::{Conditions, sample_positions, spread};
-use crate::effect::{Batch, Effect, Field, Fields, Kept, Settings, Surface};
+use crate::effect::{Batch, Effect, Field, Fields, Kept, Paid, Settings, Surface};
 use crate::error::Result;
 use crate::frame::{Frame, Layer, Mixture, NO_HIT, Part};
 use crate::plan::Plan;
@@ -18,6 +18,7 @@ use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Neighbouring pixels that differ by less than this share of the brighter one's luminance need no more rays.
@@ -71,6 +72,7 @@ struct Prepared<'a> {
     run: Batch<'a>,
     nanoseconds: AtomicU64,
     runs: AtomicU32,
+    paid: Mutex<Option<Paid>>,
 }
 
 /// Which effects are run on a ray.
@@ -121,6 +123,7 @@ impl<'a> Reference<'a> {
                     run: start_up.timed(&format!("{name}.prepare"), prepare)?,
                     nanoseconds: AtomicU64::new(0),
                     runs: AtomicU32::new(0),
+                    paid: Mutex::default(),
                 })
             })
             .collect();
@@ -154,6 +157,10 @@ impl<'a> Reference<'a> {
             let elapsed = start.elapsed().as_nanos() as u64;
             step.nanoseconds.fetch_add(elapsed, Ordering::Relaxed);
             step.runs.fetch_add(1, Ordering::Relaxed);
+            if let Some(paid) = fields.take_paid() {
+                let mut sum = step.paid.lock().unwrap_or_else(PoisonError::into_inner);
+                *sum = Some(sum.unwrap_or_default().and(paid));
+            }
         }
         (0..aims.len())
             .map(|i| Sample {
@@ -207,6 +214,7 @@ impl<'a> Reference<'a> {
                 on_cpu: true,
                 runs: step.runs.load(Ordering::Relaxed),
                 counted: None,
+                paid: *step.paid.lock().unwrap_or_else(PoisonError::into_inner),
                 time: Some(Duration::from_nanos(
                     step.nanoseconds.load(Ordering::Relaxed),
                 )),

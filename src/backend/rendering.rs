@@ -1,6 +1,6 @@
 //! What a rendering may take and what it gives.
 
-use crate::effect::Effect;
+use crate::effect::{Effect, Paid};
 use crate::frame::Frame;
 use crate::task::{Progress, Task};
 use std::sync::atomic::AtomicBool;
@@ -75,6 +75,8 @@ pub struct StepTime {
     pub runs: u32,
     /// Reads of shadow maps and leaves, and of nodes of trees, when they were counted ([`crate::backend::gpu::Gpu::count`]).
     pub counted: Option<[u64; 2]>,
+    /// Rays that an effect with lamps paid for, where the CPU did it.
+    pub paid: Option<Paid>,
     /// Its time: summed over cores under [`crate::backend::Backend::Reference`]; else the device's own clock, or the CPU's wall clock for what that
     /// did, a software adapter too. `None` when the device has no clock.
     pub time: Option<Duration>,

@@ -1,5 +1,6 @@
 //! From a scene and what is asked of it to conditions.
 
+use super::received::Lit;
 use super::request::{CameraChoice, Request};
 use super::{Conditions, GroundPlane, Lamp, Receivers, Sun, View, checks, toward, unused};
 use crate::ephemeris::civil::{self, Moment, Reading};
@@ -80,6 +81,7 @@ impl Conditions {
         let lamps: Vec<Lamp> = lamps.into_iter().filter(Lamp::shines).collect();
         Ok(Conditions {
             warnings,
+            lit: Lit::new(&lamps, &geometry, ground).into(),
             lamps: lamps.into(),
             geometry,
             view: View {

@@ -14,12 +14,14 @@ mod request;
 mod sun;
 mod unused;
 mod view;
+pub mod volumes;
 
 pub use assemble::SolarGeometry;
 pub use brightest::Brightest;
 pub use inputs::{Input, Snapshot};
 pub use lamps::Lamp;
 pub use penumbra::{DiscInAir, Told};
+pub(crate) use received::Lit;
 pub use request::{CameraChoice, Request};
 pub use sun::Sun;
 pub use view::{Receiver, Receivers, View, sample_positions, spread};
@@ -59,6 +61,8 @@ pub struct Conditions {
     pub air: Air,
     /// The lamps that give light.
     pub lamps: Arc<[Lamp]>,
+    /// Where they shine on surfaces.
+    lit: Arc<Lit>,
     /// What was left out, is doubtful or approximate.
     pub warnings: Vec<Warning>,
     /// What was asked for, so that it can be asked of another moment.

@@ -4,12 +4,13 @@
 //! is below a share of the lamp's light, so that penumbrae have no noise and no steps wider than that share.
 //!
 //! Lamps are gone through by the light that they would give if nothing stood in the way; the last, which together could add less than
-//! a share of what the others do, are left out.
+//! a share of what the others do, are left out, most of them in groups ([`super::volumes`]) that are never looked into.
 
-use super::Conditions;
 use super::lamps::{Lamp, Spot};
+use super::volumes::{self, Bounds, Queue, Volume, Volumes};
+use super::{Conditions, GroundPlane};
 use crate::colour::luminance;
-use crate::scene::Ray;
+use crate::scene::{Geometry, Ray};
 use glam::DVec3;
 
 /// How far lamps are divided, and how many left out.
@@ -30,6 +31,33 @@ impl Care {
         share: 5e-2,
         left_out: 1e-3,
     };
+}
+
+/// Where all lamps shine, on a world of surfaces.
+#[derive(Debug, Clone)]
+pub(crate) struct Lit {
+    volumes: Volumes,
+    /// The box around the scene and the ground: of a place outside of it nothing is known.
+    world: Bounds,
+}
+
+impl Lit {
+    pub fn new(lamps: &[Lamp], geometry: &Geometry, ground: Option<GroundPlane>) -> Self {
+        let (low, high) = geometry.bounds();
+        let slack = 1e-6 * (geometry.extent() + low.abs().max(high.abs()).max_element());
+        let mut world = [low - slack, high + slack];
+        if let Some(GroundPlane { height, .. }) = ground {
+            let [mut low, mut high] = volumes::EVERYWHERE;
+            (low.y, high.y) = (height - slack, height + slack);
+            world = volumes::joined(&world, &[low, high]);
+        }
+        let of = |lamp: &Lamp| Volume::new(lamp, lamp.middle(), lamp.extent(), 1.0, &world);
+        let volumes: Vec<Volume> = lamps.iter().map(of).collect();
+        Lit {
+            volumes: Volumes::new(&volumes),
+            world,
+        }
+    }
 }
 
 /// A place that receives light.
@@ -56,45 +84,49 @@ impl Place {
     }
 }
 
-/// What a place receives from all lamps [lx, RGB].
+/// What a place receives from all lamps [lx, RGB], and how many it was asked of.
 pub fn received(
     conditions: &Conditions,
     place: &Place,
     care: &Care,
-    order: &mut Vec<(f64, usize)>,
-) -> DVec3 {
-    let mut sum = DVec3::ZERO;
-    if let [lamp] = &conditions.lamps[..] {
-        return of_lamp(conditions, lamp, place, care);
+    queue: &mut Queue<usize>,
+) -> (DVec3, u64) {
+    let lamps = &conditions.lamps;
+    if let [lamp] = &lamps[..] {
+        let asked = at_most(lamp, place) > 0.0;
+        return (of_lamp(conditions, lamp, place, care), u64::from(asked));
     }
-    order.clear();
-    order.extend(conditions.lamps.iter().enumerate().filter_map(|(i, lamp)| {
-        let most = at_most(lamp, place);
-        (most > 0.0).then_some((most, i))
-    }));
-    order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let rest = rests(order.iter().map(|(most, _)| *most));
-    for ((_, index), rest) in order.iter().zip(rest) {
-        if rest <= care.left_out * luminance(sum) {
-            break;
-        }
-        sum += of_lamp(conditions, &conditions.lamps[*index], place, care);
-    }
-    sum
+    let Lit { volumes, world } = &*conditions.lit;
+    let is_known = volumes::holds(world, place.position);
+    let (mut sum, mut asked) = (DVec3::ZERO, 0);
+    volumes.strongest_first(
+        queue,
+        0.0,
+        |group| match is_known && !volumes::holds(&group.reach, place.position) {
+            true => 0.0,
+            false => of_group(group, place),
+        },
+        |index| Some((at_most(&lamps[index], place), index)),
+        |index| {
+            sum += of_lamp(conditions, &lamps[index], place, care);
+            asked += 1;
+            care.left_out * luminance(sum)
+        },
+    );
+    (sum, asked)
 }
 
-/// What each of some bounds and all behind it add up to, from the weakest on: so small ones keep their digits beside large ones.
-pub fn rests(bounds: impl DoubleEndedIterator<Item = f64>) -> Vec<f64> {
-    let mut sum = 0.0;
-    let mut rests: Vec<f64> = bounds
-        .rev()
-        .map(|bound| {
-            sum += bound;
-            sum
-        })
-        .collect();
-    rests.reverse();
-    rests
+/// The most that a place receives from a group of lamps [lx, luminance].
+fn of_group(group: &Volume, place: &Place) -> f64 {
+    let [low, high] = group.places;
+    let highest = |axis: usize| {
+        let [a, b] = [low, high].map(|corner| (corner - place.position)[axis]);
+        (place.facet[axis] * a).max(place.facet[axis] * b)
+    };
+    if highest(0) + highest(1) + highest(2) <= 0.0 {
+        return 0.0;
+    }
+    group.power / group.distance(place.position).powi(2)
 }
 
 /// The most that a place receives from a lamp [lx, luminance].

@@ -6,19 +6,38 @@
 //! ([`crate::medium::LocalScattering`]), in which nothing peaks however near the lamp is. A lamp with an extent is as many points as `points`
 //! says.
 //!
-//! Lamps are gone through by the most that they could add; the last, which together could add less than a share of what the others
-//! do, are left out. Light that is scattered more than once is neglected.
+//! Lamps are gone through by the most that they could add ([`crate::conditions::volumes`]): a ray that misses all that they may shine on pays
+//! nothing, and the last, which together could add less than a share of what the others do, or of what the ray in the middle of the
+//! picture gets of all, are left out. Light that is scattered more than once is neglected.
+//!
+//! That is the reference and what a picture is made with. Other ways of integrating, for comparison, are the values of the knob
+//! `integrator` ([`Integrator`]).
+
+mod integrator;
+mod met;
+mod most;
+mod planes;
+mod rows;
+
+pub use integrator::Integrator;
 
 use super::surface_lamps::{LEFT_OUT, NO_LAMPS, counted};
-use super::{Contribution, Decision, Effect, Field, Knob};
+use super::visibility::first_surface;
+use super::{Contribution, Decision, Effect, Field, Knob, Paid, Settings};
 use crate::colour::luminance;
-use crate::conditions::Conditions;
 use crate::conditions::lamps::{Lamp, Spot};
-use crate::conditions::received::rests;
-use crate::medium::{LocalScattering, Pattern, Shape};
+use crate::conditions::volumes::{Bounds, Queue, Volume, Volumes};
+use crate::conditions::{Conditions, spread};
+use crate::error::Result;
+use crate::medium::gauss_nodes;
 use crate::scene::Ray;
 use crate::scene::shade::Shade;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
+use integrator::{Care, integrate};
+use met::Met;
+use most::{Most, lit_world};
+use planes::Planes;
+use rows::Rows;
 
 /// Light of lamps in the air.
 pub const AIR_LAMPS: Effect = Effect {
@@ -40,53 +59,67 @@ pub const AIR_LAMPS: Effect = Effect {
             range: [1e-9, 0.1],
         },
         LEFT_OUT,
+        INTEGRATOR,
+        Knob {
+            name: "nodes",
+            meaning: "nodes on each lit run (equiangular)",
+            values: [4.0, 8.0, 16.0, 64.0],
+            range: [1.0, 1024.0],
+        },
+        Knob {
+            name: "planes",
+            meaning: "virtual planes through the air that the picture shows (planes)",
+            values: [15.0, 75.0, 150.0, 600.0],
+            range: [1.0, 4096.0],
+        },
+        Knob {
+            name: "lattice",
+            meaning: "lattice points along each side of a plane (planes)",
+            values: [10.0, 20.0, 40.0, 80.0],
+            range: [2.0, 512.0],
+        },
+        Knob {
+            name: "map",
+            meaning: "texels along each side of a lamp's light map (planes)",
+            values: [64.0, 64.0, 128.0, 256.0],
+            range: [4.0, 4096.0],
+        },
+        Knob {
+            name: "rows",
+            meaning: "half-planes around the line from the eye to a lamp (rows)",
+            values: [256.0, 512.0, 1024.0, 4096.0],
+            range: [1.0, 65536.0],
+        },
     ],
     decide,
     reference: |conditions, settings, _| {
         let points = settings.get("points") as u32;
-        let (error, left_out) = (settings.get("error"), settings.get("left_out"));
         let spots: Vec<(&Lamp, Spot)> = conditions
             .lamps
             .iter()
             .flat_map(|lamp| lamp.spots(points).into_iter().map(move |spot| (lamp, spot)))
             .collect();
+        let lamps = AirLamps::new(conditions, spots, settings)?;
         Ok(Box::new(move |fields| {
-            let mut met = Vec::new();
-            let mut shades = Vec::new();
+            let mut at_hand = AtHand::default();
+            let mut paid = Paid::default();
             fields.update(Field::InscatterLights, |ray, _, surface, present| {
-                let end = conditions.air.end(ray.origin, ray.direction);
-                let end = surface.distance.min(end);
-                if end <= 0.0 {
-                    return present;
-                }
-                met.clear();
-                met.extend(spots.iter().filter_map(|(lamp, spot)| {
-                    let bends = lamp.bends(spot, ray);
-                    let span = illuminated(lamp, spot, ray, &bends, end)?;
-                    let span = on_its_side(conditions, spot, ray, span)?;
-                    let most = at_most(conditions, lamp, spot, ray, span);
-                    (most > 0.0).then_some(Met {
-                        lamp,
-                        spot,
-                        span,
-                        bends,
-                        most,
-                    })
-                }));
-                met.sort_by(|a: &Met, b: &Met| b.most.total_cmp(&a.most));
-                let rests = rests(met.iter().map(|met| met.most));
-                let mut sum = DVec3::ZERO;
-                for (met, rest) in met.iter().zip(rests) {
-                    if rest <= left_out * luminance(sum) {
-                        break;
-                    }
-                    sum += scattered(conditions, met, ray, error, &mut shades);
-                }
-                present + sum
+                let (light, pairs) = lamps.on(ray, surface.distance, &mut at_hand);
+                paid.add(pairs);
+                present + light
             });
+            fields.pay(paid);
         }))
     },
     ..Effect::NOTHING
+};
+
+/// Which [`Integrator`] is at work.
+pub const INTEGRATOR: Knob = Knob {
+    name: "integrator",
+    meaning: "0: exact; to compare with it 1: glow, 2: airlight, 3: equiangular, 4: planes, 5: rows",
+    values: [0.0; 4],
+    range: [0.0, 5.0],
 };
 
 fn decide(conditions: &Conditions) -> Decision {
@@ -112,127 +145,132 @@ fn decide(conditions: &Conditions) -> Decision {
     )
 }
 
-/// A spot of a lamp on whose light a ray may come.
-struct Met<'a> {
-    lamp: &'a Lamp,
-    spot: &'a Spot,
-    /// The part of the ray on which it may shine [m].
-    span: [f64; 2],
-    /// Where its light begins, ends or bends along the ray [m].
-    bends: Vec<f64>,
-    /// The most that it adds [cd/m2, luminance].
-    most: f64,
+/// With no more spots than this none are left out for what others give elsewhere.
+const FEW: usize = 8;
+
+/// So many rays tell what those of the picture get.
+const PROBES: usize = 32;
+
+/// The lamps of a scene as the air sees them.
+struct AirLamps<'c> {
+    conditions: &'c Conditions,
+    spots: Vec<(&'c Lamp, Spot)>,
+    volumes: Volumes,
+    care: Care,
+    /// What virtual planes hold, where they integrate.
+    planes: Option<Planes<'c>>,
+    /// Rows in the planes of eye and lamps, where they tell the lit runs.
+    rows: Option<Rows<'c>>,
+    left_out: f64,
+    /// What adds up to no more does not matter on any ray [cd/m2, luminance].
+    negligible: f64,
 }
 
-/// The part of the first `end` metres of a ray on which a spot may shine.
-fn illuminated(lamp: &Lamp, spot: &Spot, ray: &Ray, bends: &[f64], end: f64) -> Option<[f64; 2]> {
-    let inner = bends.iter().copied().filter(|t| *t > 0.0 && *t < end);
-    let mut hull: Option<[f64; 2]> = None;
-    let mut from = 0.0;
-    for to in inner.chain([end]) {
-        if lamp.faces(spot, ray.at(0.5 * (from + to))) {
-            hull = Some([hull.map_or(from, |[first, _]| first), to]);
-        }
-        from = to;
-    }
-    hull.filter(|[from, to]| to > from)
+/// What is kept from ray to ray for its memory.
+#[derive(Default)]
+struct AtHand<'c> {
+    queue: Queue<Met<'c>>,
+    shades: Vec<Shade>,
 }
 
-/// The part of a span on which the ground does not lie between a spot under it and the ray.
-fn on_its_side(
-    conditions: &Conditions,
-    spot: &Spot,
-    ray: &Ray,
-    [from, to]: [f64; 2],
-) -> Option<[f64; 2]> {
-    let Some(ground) = conditions.ground.filter(|g| spot.position.y < g.height) else {
-        return Some([from, to]);
-    };
-    let above = |t: f64| ray.at(t).y >= ground.height;
-    let crossing = (ground.height - ray.origin.y) / ray.direction.y;
-    match (above(from), above(to)) {
-        (true, true) => None,
-        (true, false) => Some([crossing.clamp(from, to), to]),
-        (false, true) => Some([from, crossing.clamp(from, to)]),
-        (false, false) => Some([from, to]),
-    }
-}
-
-/// A medium is at most e^this times as dense as where its coefficients are those given.
-const DENSEST: f64 = 600.0;
-
-/// The most that a spot adds on a span of a ray [cd/m2, luminance]: nothing in the way, no air that takes light.
-fn at_most(
-    conditions: &Conditions,
-    lamp: &Lamp,
-    spot: &Spot,
-    ray: &Ray,
-    [from, to]: [f64; 2],
-) -> f64 {
-    let lowest = ray.at(from).y.min(ray.at(to).y);
-    let coefficient = |medium: &crate::medium::Medium| {
-        let density = match medium.shape {
-            Shape::Height {
-                base, scale_height, ..
-            }
-            | Shape::Air {
-                base, scale_height, ..
-            } => ((base - lowest) / scale_height).min(DENSEST).exp(),
-            _ => 1.0,
+impl<'c> AirLamps<'c> {
+    fn new(
+        conditions: &'c Conditions,
+        spots: Vec<(&'c Lamp, Spot)>,
+        settings: &Settings<'_>,
+    ) -> Result<Self> {
+        let world: Bounds = lit_world(conditions);
+        let of = |(lamp, spot): &(&Lamp, Spot)| {
+            Volume::new(lamp, spot.position, 0.0, spot.share, &world)
         };
-        if medium.scattering == DVec3::ZERO {
-            return 0.0;
+        let volumes: Vec<Volume> = spots.iter().map(of).collect();
+        let integrator = Integrator::ALL[settings.get("integrator") as usize];
+        let planes = match integrator {
+            Integrator::Planes => {
+                let fine = ["planes", "lattice", "map"].map(|knob| settings.get(knob) as usize);
+                Some(Planes::new(conditions, &spots, fine)?)
+            }
+            _ => None,
+        };
+        let rows = (integrator == Integrator::Rows)
+            .then(|| Rows::new(conditions, spots.len(), settings.get("rows") as usize));
+        let mut lamps = AirLamps {
+            conditions,
+            rows,
+            spots,
+            volumes: Volumes::new(&volumes),
+            planes,
+            care: Care {
+                integrator,
+                error: settings.get("error"),
+                nodes: gauss_nodes(settings.get("nodes") as u32),
+            },
+            left_out: settings.get("left_out"),
+            negligible: 0.0,
+        };
+        if lamps.spots.len() > FEW {
+            lamps.negligible = lamps.left_out * lamps.typical();
         }
-        density * medium.scattering.max_element() * medium.phase.peak()
-    };
-    let coefficient: f64 = conditions.air.media.iter().map(coefficient).sum();
-    let foot = (spot.position - ray.origin).dot(ray.direction);
-    let aside = (ray.at(foot) - spot.position).length().max(spot.radius);
-    // As near as the ray is taken to pass it at least.
-    let aside = aside.max(1e-9 * (1.0 + foot.abs()));
-    let angle = (to - foot).atan2(aside) - (from - foot).atan2(aside);
-    // Within its radius a spot gets no brighter, but 1 / r^2 is up to twice 1 / (t^2 + r^2).
-    2.0 * lamp.greatest_intensity() * spot.share * coefficient * (angle / aside)
+        Ok(lamps)
+    }
+
+    /// What half of the picture's rays get at least, as a few tell [cd/m2, luminance].
+    fn typical(&self) -> f64 {
+        let view = &self.conditions.view;
+        let mut at_hand = AtHand::default();
+        let light = |pixel: glam::UVec2| {
+            let ray = view.ray(pixel.as_dvec2() + 0.5);
+            let surface = first_surface(self.conditions, &ray, 0.5, DMat3::IDENTITY);
+            luminance(self.on(&ray, surface.distance, &mut at_hand).0)
+        };
+        let mut lights: Vec<f64> = spread(view.size, PROBES).into_iter().map(light).collect();
+        lights.sort_unstable_by(f64::total_cmp);
+        lights.get(lights.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// What all lamps add to a ray up to a distance [cd/m2, RGB], and of how many spots the light was found.
+    fn on(&self, ray: &Ray, distance: f64, at_hand: &mut AtHand<'c>) -> (DVec3, u64) {
+        let conditions = self.conditions;
+        let end = conditions.air.end(ray.origin, ray.direction).min(distance);
+        let (mut sum, mut pairs) = (DVec3::ZERO, 0);
+        if end <= 0.0 {
+            return (sum, pairs);
+        }
+        let most = Most::new(conditions, ray, end);
+        let AtHand { queue, shades } = at_hand;
+        self.volumes.strongest_first(
+            queue,
+            self.negligible,
+            |group| most.of_group(group),
+            |number| {
+                let (lamp, spot) = self.spots[number];
+                let met = Met::of(conditions, (number, lamp, spot), ray, end)?;
+                Some((most.of_spot(lamp, &spot, met.span), met))
+            },
+            |met| {
+                pairs += 1;
+                sum += met.lamp.intensity * self.share(&met, ray, shades);
+                (self.left_out * luminance(sum)).max(self.negligible)
+            },
+        );
+        (sum, pairs)
+    }
 }
 
-/// What a spot adds on a span of a ray [cd/m2, RGB].
-fn scattered(
-    conditions: &Conditions,
-    met: &Met<'_>,
-    ray: &Ray,
-    error: f64,
-    shades: &mut Vec<Shade>,
-) -> DVec3 {
-    let Met { lamp, spot, .. } = met;
-    let [from, to] = met.span;
-    let part = Ray {
-        origin: ray.at(from),
-        direction: ray.direction,
-    };
-    let geometry = lamp.geometry(&conditions.geometry);
-    geometry.shades(&part, to - from, &[Lamp::beam(spot)], shades);
-    let lit = shades.first().map(|shade| shade.lit(to - from));
-    let lit = lit.unwrap_or_default();
-    if lit.is_empty() {
-        return DVec3::ZERO;
+impl AirLamps<'_> {
+    /// What a spot adds for each candela of its lamp [1/(m2 sr)].
+    fn share(&self, met: &Met<'_>, ray: &Ray, shades: &mut Vec<Shade>) -> DVec3 {
+        if let Some(planes) = &self.planes {
+            return planes.light(met.number, &met.spot, ray, met.span);
+        }
+        let of_row = self.rows.as_ref().and_then(|rows| {
+            shades.resize_with(1, Shade::default);
+            rows.lit_runs(met, ray, &mut shades[0])
+        });
+        let runs = of_row.unwrap_or_else(|| met.lit_runs(self.conditions, ray, shades));
+        match runs.is_empty() {
+            true => DVec3::ZERO,
+            false => integrate(self.conditions, met, ray, &runs, &self.care),
+        }
     }
-    let shape = |direction: DVec3| lamp.shape(spot, direction);
-    let pattern = Pattern {
-        shape: &shape,
-        detail: lamp.distribution.detail(),
-    };
-    let scattering = LocalScattering::new(
-        &conditions.air,
-        ray.origin,
-        ray.direction,
-        to,
-        spot.position,
-        spot.radius,
-    )
-    .shaped(pattern, &met.bends, error);
-    let sum: DVec3 = lit
-        .iter()
-        .map(|([a, b], pass)| *pass * scattering.integrate(from + a, from + b))
-        .sum();
-    lamp.intensity * sum
 }

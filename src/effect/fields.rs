@@ -65,6 +65,35 @@ impl Surface {
     }
 }
 
+/// How many rays came to an effect with lamps, and how many paid: a ray that misses all volumes that lamps may light costs nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Paid {
+    /// Rays that could have met one.
+    pub rays: u64,
+    /// Those that met one.
+    pub met: u64,
+    /// Lamps (or the points that stand for one) whose light was found, ray by ray.
+    pub pairs: u64,
+}
+
+impl Paid {
+    /// One ray more, on which the light of so many lamps was found.
+    pub fn add(&mut self, lamps: u64) {
+        self.rays += 1;
+        self.met += u64::from(lamps > 0);
+        self.pairs += lamps;
+    }
+
+    /// This and what others counted.
+    pub fn and(self, other: Paid) -> Paid {
+        Paid {
+            rays: self.rays + other.rays,
+            met: self.met + other.met,
+            pairs: self.pairs + other.pairs,
+        }
+    }
+}
+
 /// A batch of rays and what the effects have found on them.
 pub struct Fields {
     /// The rays.
@@ -78,6 +107,7 @@ pub struct Fields {
     values: [Option<Vec<DVec3>>; Field::COUNT],
     /// What the effect that is at work reads, and what it writes and alters: more it does not get.
     named: Option<(&'static [Field], [&'static [Field]; 2])>,
+    paid: Option<Paid>,
 }
 
 impl Fields {
@@ -91,6 +121,7 @@ impl Fields {
             surfaces: Vec::new(),
             values: Default::default(),
             named: None,
+            paid: None,
         };
         for &field in written {
             match field {
@@ -104,6 +135,16 @@ impl Fields {
     /// Says what the effect that is at work now reads, and what it writes and alters.
     pub(crate) fn name(&mut self, reads: &'static [Field], changes: [&'static [Field]; 2]) {
         self.named = Some((reads, changes));
+    }
+
+    /// Counts the rays that the effect at work paid for.
+    pub fn pay(&mut self, paid: Paid) {
+        self.paid = Some(self.paid.unwrap_or_default().and(paid));
+    }
+
+    /// What was counted since the last call, if anything was.
+    pub(crate) fn take_paid(&mut self) -> Option<Paid> {
+        self.paid.take()
     }
 
     /// Whether the effect at work may have a field, to read it or to change it.

@@ -176,7 +176,7 @@ pub use crate::frame::Field;
 pub use all::ALL;
 pub use beams::sun_beams;
 pub use definition::{Batch, Contribution, Decision, Effect};
-pub use fields::{Fields, Source, Surface};
+pub use fields::{Fields, Paid, Source, Surface};
 pub use kept::{Keep, Keeper, Kept};
 pub use method::Method;
 pub use pass::{

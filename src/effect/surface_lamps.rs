@@ -4,8 +4,9 @@
 //! has the method). A surface whose own triangle faces away is dark, whatever its interpolated normal says.
 
 use super::surface_sun::shadow_start;
-use super::{Contribution, Decision, Effect, Field, Knob, Surface};
+use super::{Contribution, Decision, Effect, Field, Knob, Paid, Surface};
 use crate::conditions::received::{Care, Place, received};
+use crate::conditions::volumes::Queue;
 use crate::conditions::{Conditions, Receivers};
 use std::f64::consts::PI;
 
@@ -50,15 +51,18 @@ pub const SURFACE_LAMPS: Effect = Effect {
             left_out: settings.get("left_out"),
         };
         Ok(Box::new(move |fields| {
-            let mut order = Vec::new();
+            let mut queue = Queue::default();
+            let mut paid = Paid::default();
             fields.update(Field::Lights, |_, _, surface, present| {
                 if !surface.is_met() {
                     return present;
                 }
                 let place = place(conditions, surface);
-                let received = received(conditions, &place, &care, &mut order);
+                let (received, lamps) = received(conditions, &place, &care, &mut queue);
+                paid.add(lamps);
                 present + surface.albedo / PI * received
             });
+            fields.pay(paid);
         }))
     },
     ..Effect::NOTHING

@@ -1,6 +1,7 @@
 //! Integrals of exponentials that keep their digits where the usual forms divide nearly nothing by nearly nothing.
 
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// (1 - e^-x) / x for any x, 1 at 0; stable near 0.
 pub fn phi1(x: f64) -> f64 {
@@ -37,6 +38,37 @@ pub(super) const NODES: [[f64; 2]; 4] = [
     [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
     [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
 ];
+
+/// Gauss-Legendre quadrature of any number of points on [-1, 1]: each place and its weight.
+pub fn gauss_nodes(count: u32) -> Vec<[f64; 2]> {
+    let n = f64::from(count);
+    let node = |i: u32| {
+        // Newton's iteration for the zeros of the Legendre polynomial, from a start that is close to each (Abramowitz & Stegun 22.16.6).
+        let mut x = (PI * (f64::from(i) + 0.75) / (n + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..20 {
+            let (mut before, mut value) = (1.0, x);
+            for k in 2..=count {
+                let k = f64::from(k);
+                (before, value) = (
+                    value,
+                    ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k,
+                );
+            }
+            slope = n * (x * value - before) / (x * x - 1.0);
+            let step = value / slope;
+            x -= step;
+            if step.abs() < 1e-15 {
+                break;
+            }
+        }
+        [x, 2.0 / ((1.0 - x * x) * slope * slope)]
+    };
+    match count {
+        0 | 1 => vec![[0.0, 2.0]],
+        _ => (0..count).map(node).collect(),
+    }
+}
 
 /// Eight-point Gauss-Legendre quadrature of a function over [a, b].
 pub(super) fn gauss(a: f64, b: f64, f: &impl Fn(f64) -> DVec3) -> DVec3 {

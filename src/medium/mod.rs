@@ -17,6 +17,7 @@ mod body;
 pub mod clear;
 mod curved;
 mod ellipsoid;
+mod even;
 mod exponential;
 mod height;
 mod layer;
@@ -30,6 +31,8 @@ mod sight;
 
 pub use airlight::Airlight;
 pub use clear::ClearAir;
+pub use even::Even;
+pub use exponential::gauss_nodes;
 pub use local::{LocalScattering, Pattern};
 pub use phase::{Fog, Phase};
 pub use scattering::Scattering;
@@ -60,6 +63,19 @@ impl Air {
     /// Extinction coefficient at a place [1/m].
     pub fn extinction_at(&self, point: DVec3) -> DVec3 {
         let of = |medium: &Medium| self.density(medium, point) * medium.extinction();
+        self.media.iter().map(of).sum()
+    }
+
+    /// What the media at a place send on of light of 1 lx that comes in at an angle, whose cosine is less than 1 by so much
+    /// [1/(m sr)].
+    pub fn scattered_at(&self, point: DVec3, one_minus_mu: f64) -> DVec3 {
+        let of = |medium: &Medium| match medium.scattering == DVec3::ZERO {
+            true => DVec3::ZERO,
+            false => {
+                let density = self.density(medium, point);
+                density * medium.phase.value(one_minus_mu) * medium.scattering
+            }
+        };
         self.media.iter().map(of).sum()
     }
 

@@ -6,6 +6,7 @@
 mod flow;
 
 use crate::conditions::Conditions;
+use crate::effect::air_lamps::INTEGRATOR;
 use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Pass, Settings, When};
 use crate::error::{Error, Result, nearest};
 use crate::frame::Part;
@@ -85,9 +86,13 @@ pub struct Step {
 }
 
 impl Step {
-    /// Whether the reference does it on every backend: it has no passes, or the scene holds what they are no match for.
+    /// Whether the reference does it on every backend: it has no passes, the scene holds what they are no match for, or another
+    /// integrator than theirs is asked for.
     pub fn is_by_reference(&self, conditions: &Conditions) -> bool {
-        self.effect.passes.is_empty() || left_to_reference(self.effect, conditions).is_some()
+        let other = |(knob, value): &(&str, f64)| *knob == INTEGRATOR.name && *value != 0.0;
+        self.effect.passes.is_empty()
+            || left_to_reference(self.effect, conditions).is_some()
+            || self.settings.iter().any(other)
     }
 }
 

@@ -9,6 +9,7 @@ use super::direct::{Direct, Look, Watched};
 use super::transport::Transport;
 use crate::conditions::Conditions;
 use crate::conditions::received::{Care, Place, received};
+use crate::conditions::volumes::Queue;
 use glam::{DVec2, DVec3};
 use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -32,13 +33,13 @@ pub(super) fn lamps_on(transport: &Transport, conditions: &Conditions, patch: us
     }
     let near = transport.near(DVec3::ZERO);
     if let Some((face, part)) = transport.patches.part(patch) {
-        let order = RefCell::new(Vec::new());
+        let queue = RefCell::new(Queue::default());
         let look = Look {
             face,
             part,
             arrives: |point| {
                 let place = place(point, face.plane.normal, near);
-                received(conditions, &place, &Care::COARSE, &mut order.borrow_mut())
+                received(conditions, &place, &Care::COARSE, &mut queue.borrow_mut()).0
             },
             alike: ALIKE,
             most: None,
@@ -66,7 +67,8 @@ pub(super) fn is_reached(transport: &Transport, conditions: &Conditions, patch: 
     transport.patches.part(patch).is_some_and(|(face, part)| {
         watched(conditions, face, part).iter().any(|watched| {
             let place = place(face.plane.point(watched.at), face.plane.normal, near);
-            let arrives = received(conditions, &place, &Care::COARSE, &mut Vec::new());
+            let mut queue = Queue::default();
+            let (arrives, _) = received(conditions, &place, &Care::COARSE, &mut queue);
             part.covers(watched.at) && arrives != DVec3::ZERO
         })
     })
@@ -134,11 +136,11 @@ fn at_points<'a>(
 ) -> impl FnMut(usize) -> DVec3 + 'a {
     let own = &transport.patches.all[patch];
     let near = transport.near(DVec3::ZERO);
-    let mut order = Vec::new();
+    let mut queue = Queue::default();
     move |i| {
         let spot = own.spot(&spread(i, patch as u64));
         let place = place(spot.point, spot.normal, near);
-        received(conditions, &place, &Care::COARSE, &mut order)
+        received(conditions, &place, &Care::COARSE, &mut queue).0
     }
 }
 

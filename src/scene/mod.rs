@@ -17,6 +17,7 @@ mod filling;
 pub mod framing;
 pub mod geometry;
 mod gltf;
+pub mod half_plane;
 mod hints;
 pub mod lamp;
 mod load;

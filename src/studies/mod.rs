@@ -1,6 +1,8 @@
 //! What accuracy costs: measurements of this program by itself.
 
 pub mod ephemeris;
+pub mod lamp_scenes;
+pub mod lamps;
 pub mod pareto;
 pub mod radiosity;
 pub mod scenes;

@@ -7,14 +7,14 @@ use tyndall::{Error, Result};
 
 use crate::arguments::form::FormArgs;
 use crate::commands::study::StudyArgs;
-use crate::commands::{accuracy_radiosity, accuracy_shafts};
+use crate::commands::{accuracy_lamps, accuracy_radiosity, accuracy_shafts};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
-    /// What to measure: ephemeris, sky, shafts or radiosity
+    /// What to measure: ephemeris, sky, shafts, lamps or radiosity
     #[arg(long, value_name = "EFFECT", default_value = "ephemeris")]
     effect: String,
     #[command(flatten)]
@@ -44,11 +44,12 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
             print(args.form, rows, |out| sky_table(out, &prices))
         }
         "shafts" => accuracy_shafts::run(&args.study, &args.shafts, args.form),
+        "lamps" => accuracy_lamps::run(&args.study, args.form),
         "radiosity" => accuracy_radiosity::run(&args.study, &args.radiosity, args.form),
         other => Err(Error::input(
             "--effect",
             format!("`{other}` is not known"),
-            "write ephemeris, sky, shafts or radiosity",
+            "write ephemeris, sky, shafts, lamps or radiosity",
         )),
     }
 }

@@ -1,6 +1,7 @@
 //! The commands, one file each; what studies of scenes share stands in `study`.
 
 pub mod accuracy;
+pub mod accuracy_lamps;
 pub mod accuracy_radiosity;
 pub mod accuracy_shafts;
 pub mod completions;

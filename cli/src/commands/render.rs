@@ -210,6 +210,7 @@ fn report(
         "stages": work::stages_json(stages),
         "render_seconds": rendered.elapsed.as_secs_f64(),
         "work": work,
+        "lamp_rays": work::paid(rendered),
         "check": check,
         "convergence": convergence,
         "files": files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),

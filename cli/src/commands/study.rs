@@ -6,7 +6,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use tyndall::conditions::Conditions;
 use tyndall::error::nearest;
-use tyndall::studies::scenes;
+use tyndall::studies::{lamp_scenes, scenes};
 use tyndall::{Error, Result};
 
 /// The flags of studies of scenes.
@@ -14,19 +14,19 @@ use tyndall::{Error, Result};
 pub struct StudyArgs {
     #[command(flatten)]
     view: ViewArgs,
-    /// With --effect shafts or radiosity: scenes of the study, separated by commas, or `scene` for the one that is named
+    /// With --effect shafts, lamps or radiosity: scenes of the study, separated by commas, or `scene` for the one that is named
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     study: Vec<String>,
-    /// With --effect shafts or radiosity: the number of frames; the median of their times is reported
+    /// With --effect shafts, lamps or radiosity: the number of frames; the median of their times is reported
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub frames: usize,
-    /// With --effect shafts or radiosity: set a knob that is not swept, as shadow.resolution=8192 [default: 4096]
+    /// With --effect shafts, lamps or radiosity: set a knob that is not swept, as shadow.resolution=8192 [default: 4096]
     #[arg(long, value_name = "EFFECT.KNOB=VALUE", value_parser = setting)]
     pub set: Vec<(String, f64)>,
-    /// With --effect shafts or radiosity: the picture's size in pixels, for scenes of the study [default: 512x512; radiosity 48x32]
+    /// With --effect shafts, lamps or radiosity: the picture's size in pixels, for scenes of the study [default: 512x512; lamps 120x80, radiosity 48x32]
     #[arg(long, value_name = "WxH", value_parser = size)]
     study_size: Option<[u32; 2]>,
-    /// With --effect shafts or radiosity: plot error against time (.svg, .png or .html); each scene's name is added to the file's
+    /// With --effect shafts, lamps or radiosity: plot error against time (.svg, .png or .html); each scene's name is added to the file's
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }
@@ -51,10 +51,12 @@ impl StudyArgs {
                     let conditions = self.view.conditions()?;
                     return Ok((conditions.scene.name.clone(), conditions));
                 }
-                let view = scenes::named(&name).ok_or_else(|| {
-                    let remedy = match nearest(&name, scenes::NAMES) {
+                let view = scenes::named(&name).or_else(|| lamp_scenes::named(&name));
+                let view = view.ok_or_else(|| {
+                    let names = [&scenes::NAMES[..], &lamp_scenes::NAMES].concat();
+                    let remedy = match nearest(&name, names.iter().copied()) {
                         Some(near) => format!("did you mean `{near}`?"),
-                        None => format!("there are {}", scenes::NAMES.join(", ")),
+                        None => format!("there are {}", names.join(", ")),
                     };
                     Error::input(format!("--study {name}"), "there is no such scene", remedy)
                 })?;

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use std::time::Duration;
 use tyndall::backend::check::Check;
 use tyndall::backend::{Backend, Rendered, StepTime};
-use tyndall::effect::Effect;
+use tyndall::effect::{Effect, Paid};
 use tyndall::frame::Record;
 use tyndall::plan::Plan;
 
@@ -79,6 +79,14 @@ fn plain(effect: &Effect) -> &str {
         Some(_) => "shafts",
         None => effect.name,
     }
+}
+
+/// Rays that effects with lamps paid for, for the report.
+pub fn paid(rendered: &Rendered) -> Value {
+    let steps = rendered.steps.iter();
+    let paid = steps.filter_map(|step| Some((step.effect.name, step.paid?)));
+    let row = |(effect, Paid { rays, met, pairs }): (&str, Paid)| json!({"effect": effect, "rays": rays, "met": met, "pairs": pairs});
+    paid.map(row).collect()
 }
 
 /// What was done, for the report.

@@ -63,6 +63,9 @@ impl Job<'_> {
             })?;
             stage.on_cpu += start.elapsed();
             stage.runs += 1;
+            for paid in chunks.iter_mut().filter_map(Fields::take_paid) {
+                stage.paid = Some(stage.paid.unwrap_or_default().and(paid));
+            }
         }
         for field in bring {
             let values: Vec<[f32; 4]> = chunks

@@ -292,6 +292,7 @@ impl<'j> Job<'j> {
                 on_cpu: false,
                 runs: maps.runs,
                 counted: None,
+                paid: None,
                 time: times.map(|t| t[self.stages.len()]),
             });
         }
@@ -303,6 +304,7 @@ impl<'j> Job<'j> {
                 on_cpu,
                 runs: stage.runs,
                 counted: (self.counts.is_some() && !on_cpu).then_some(stage.counted),
+                paid: stage.paid,
                 time: if on_cpu {
                     Some(stage.on_cpu)
                 } else {

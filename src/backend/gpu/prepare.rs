@@ -10,7 +10,7 @@ use super::store::Store;
 use super::tile::Target;
 use crate::backend::rendering::StartUp;
 use crate::effect::{
-    Batch, Effect, Extent, Field, Keeper, Life, Loop, MapSettings, Over, Pass, RasterView,
+    Batch, Effect, Extent, Field, Keeper, Life, Loop, MapSettings, Over, Paid, Pass, RasterView,
     Resource, Settings, When,
 };
 use crate::error::{Error, Result};
@@ -31,6 +31,8 @@ pub struct Stage<'p> {
     pub runs: u32,
     pub on_cpu: Duration,
     pub counted: [u64; 2],
+    /// Rays that it paid for on the CPU.
+    pub paid: Option<Paid>,
 }
 
 pub enum Work<'p> {
@@ -165,6 +167,7 @@ impl<'p> Maker<'_, 'p> {
             runs: 0,
             on_cpu: Duration::ZERO,
             counted: [0; 2],
+            paid: None,
         });
     }
 
