@@ -184,7 +184,7 @@ fn receive(@builtin(global_invocation_id) id: vec3u) {
     }
     let p = ray_origin(id) + surface.distance * ray_direction(id);
     let rounding = 4e-7 * (length(p) + length(tile.eye));
-    let above = surface.number == GROUND || !is_under_ground(p.y + rounding);
+    let above = !is_under_ground(p.y + rounding);
     let place = Place(p, surface.facet, surface.normal, surface.number - GROUND - 1u, above);
     let all_lamps = u32(lamp_texel(0u).x);
     let some = (all_lamps + knobs.parts - 1u) / knobs.parts;

@@ -146,7 +146,7 @@ fn lamp_shape(lamp: Lamp, direction: vec3f) -> f32 {
         return 1.0;
     }
     let across = vec2f(dot(direction, lamp.around), dot(direction, lamp.third));
-    let theta = atan2(length(across), dot(direction, lamp.toward));
+    let theta = min(atan2(length(across), dot(direction, lamp.toward)), 3.14159265);
     let phi = select(atan2(across.y, across.x), 0.0, all(across == vec2f(0.0)));
     if theta > lamp.cone {
         return 0.0;

@@ -11,6 +11,7 @@ use crate::medium::{Medium, Shape};
 use crate::photometry::{Distribution, Goniometer, Table};
 use crate::scene::LampForm;
 use glam::DVec3;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Texels of a lamp, and of a spot of one.
@@ -253,6 +254,8 @@ pub const SPHERE: u32 = 3;
 fn of_lamp(lamp: &Lamp, eye: DVec3, table: usize, ignored: usize) -> [[f32; 4]; 12] {
     let (kind, [a, b, c, d, e]) = formula(&lamp.distribution);
     let cone = lamp.distribution.cone();
+    // Where all directions are inside, rounded angles are too.
+    let widest = if cone < PI { cone } else { 4.0 };
     let (form, edges, size) = match lamp.form {
         LampForm::Point => (POINT, [DVec3::ZERO; 2], 0.0),
         LampForm::Line { to } => {
@@ -273,7 +276,7 @@ fn of_lamp(lamp: &Lamp, eye: DVec3, table: usize, ignored: usize) -> [[f32; 4]; 
     };
     [
         four(lamp.position - eye, f64::from(kind)),
-        four(lamp.pose.toward, cone),
+        four(lamp.pose.toward, widest),
         four(lamp.pose.around, ignored as f64),
         four(lamp.pose.third, table as f64),
         four(lamp.intensity, lamp.greatest_intensity()),
