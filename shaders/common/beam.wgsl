@@ -42,8 +42,7 @@ struct Beam {
 @group(2) @binding(1) var beam_maps: texture_depth_2d_array;
 // One more than the number of the caster in each texel, 0 for none; CUT_OUT is added for one with holes.
 @group(2) @binding(2) var beam_casters: texture_2d_array<u32>;
-// Corners of all casters relative to the scene's anchor, row by row.
-@group(2) @binding(3) var caster_corners: texture_2d<f32>;
+// Its binding 3 are the corners of all casters, `caster_corners`: other passes have them without a beam.
 
 const NO_CASTER = 0xffffffffu;
 

@@ -10,13 +10,13 @@ fn turned(a: vec3f, b: vec3f) -> f32 {
 }
 
 // Whether a caster stands on the way of length `far` from `start`, relative to the anchor, along axes.z. `blur` is how far
-// `start` may be off; what it lies in by so little is no obstacle.
+// `start` may be off; what it lies in by so little is no obstacle, and what the light lies in neither.
 fn caster_meets(triangle: u32, start: vec3f, axes: RayAxes, blur: f32, far: f32) -> bool {
     let facet = facets[triangle];
     let across = dot(facet.plane.xyz, axes.z);
     let over = facet.plane.w - dot(facet.plane.xyz, start);
     // In the plane, by as much as places are rounded, is no obstacle.
-    if abs(over) <= blur || over * across <= 0.0 || over / across >= far {
+    if abs(over) <= blur || over * across <= 0.0 || abs(over) >= far * abs(across) - blur {
         return false;
     }
     let size = textureDimensions(caster_corners);
@@ -56,16 +56,23 @@ fn caster_meets(triangle: u32, start: vec3f, axes: RayAxes, blur: f32, far: f32)
     return true;
 }
 
+// Steps through trees that all walks of an invocation have taken.
+var<private> shaded_steps: u32;
+
 // Whether anything but the caster `own` stands between a place, relative to the eye, and the light.
 fn is_shaded(p: vec3f, own: u32) -> bool {
-    let start = p + tile.eye;
-    var toward = beam.toward;
-    var far = FARTHEST;
     if beam.kind == LOCAL {
         let way = beam.position - p;
-        far = length(way);
-        toward = way / max(far, 1e-30);
+        let far = length(way);
+        return way_is_shaded(p, own, way / max(far, 1e-30), far, 0u, 0xffffffffu);
     }
+    return way_is_shaded(p, own, beam.toward, FARTHEST, 0u, 0xffffffffu);
+}
+
+// The same for a way of its own, on which one material, its number and 1, is no obstacle; true too where so many steps have been
+// taken before it is known.
+fn way_is_shaded(p: vec3f, own: u32, toward: vec3f, far: f32, ignored: u32, most_steps: u32) -> bool {
+    let start = p + tile.eye;
     let axes = axes_along(toward);
     let blur = 4e-7 * (length(p) + length(tile.eye));
     let tiny = select(vec3f(-1e-18), vec3f(1e-18), toward >= vec3f(0.0));
@@ -73,19 +80,31 @@ fn is_shaded(p: vec3f, own: u32) -> bool {
     let end = tree_texel(0u).x;
     var i = 1u;
     while i < end {
-        let low = tree_texel(2u * i);
-        let high = tree_texel(2u * i + 1u);
-        let a = (bitcast<vec3f>(low.xyz) - start) * per_metre;
-        let b = (bitcast<vec3f>(high.xyz) - start) * per_metre;
-        let first = min(a, b);
-        let last = max(a, b);
-        let enter = max(max(first.x, first.y), max(first.z, 0.0));
-        let leave = min(min(last.x, last.y), min(last.z, far));
-        let met = enter <= leave * 1.000001;
-        if met && high.w != 0u && high.w - 1u != own && caster_meets(high.w - 1u, start, axes, blur, far) {
+        // The next caster whose box is met, first: some drivers go through the rest for all pixels alike.
+        var triangle = NO_CASTER;
+        while i < end && triangle == NO_CASTER && shaded_steps < most_steps {
+            shaded_steps += 1u;
+            let low = tree_texel(2u * i);
+            let high = tree_texel(2u * i + 1u);
+            let a = (bitcast<vec3f>(low.xyz) - start) * per_metre;
+            let b = (bitcast<vec3f>(high.xyz) - start) * per_metre;
+            let first = min(a, b);
+            let last = max(a, b);
+            let enter = max(max(first.x, first.y), max(first.z, 0.0));
+            let leave = min(min(last.x, last.y), min(last.z, far));
+            let met = enter <= leave * 1.000001;
+            triangle = select(NO_CASTER, high.w - 1u, met && high.w != 0u);
+            i = select(low.w, i + 1u, met);
+        }
+        if shaded_steps >= most_steps {
             return true;
         }
-        i = select(low.w, i + 1u, met);
+        if triangle == NO_CASTER || triangle == own || facets[triangle].material + 1u == ignored {
+            continue;
+        }
+        if caster_meets(triangle, start, axes, blur, far) {
+            return true;
+        }
     }
     return false;
 }

@@ -34,7 +34,16 @@ pub struct Lamp {
     /// What its light comes from.
     pub form: LampForm,
     /// What stands in the way of its light, where that is not all that stands in the way of light.
-    housed: Option<Arc<Geometry>>,
+    housed: Option<Housed>,
+}
+
+/// What a lamp's housing leaves of the casters.
+#[derive(Clone)]
+struct Housed {
+    /// The material of the housing.
+    material: String,
+    /// All casters of other materials.
+    without: Arc<Geometry>,
 }
 
 /// A place of a lamp that stands for a part of it.
@@ -71,12 +80,10 @@ impl Lamp {
             check_form(&entry.name, entry.form)?;
             let without = match &entry.ignore {
                 None => None,
-                Some(material) => Some(geometry_without(
-                    scene,
-                    material,
-                    || named("ignore"),
-                    &mut housed,
-                )?),
+                Some(material) => Some(Housed {
+                    material: material.clone(),
+                    without: geometry_without(scene, material, || named("ignore"), &mut housed)?,
+                }),
             };
             lamps.push(Lamp {
                 name: entry.name.clone(),
@@ -150,7 +157,12 @@ impl Lamp {
 
     /// What stands in the way of its light, of all that does.
     pub fn geometry<'a>(&'a self, all: &'a Geometry) -> &'a Geometry {
-        self.housed.as_deref().unwrap_or(all)
+        self.housed.as_ref().map_or(all, |housed| &housed.without)
+    }
+
+    /// The material that does not shade it, if there is one.
+    pub fn ignored(&self) -> Option<&str> {
+        self.housed.as_ref().map(|housed| housed.material.as_str())
     }
 
     /// Luminous intensity of a spot of it along a direction away from it, of any length [cd, RGB].
@@ -346,32 +358,33 @@ impl Lamp {
             third,
         } = self.pose;
         let axes = DMat3::from_cols(around, third, toward);
-        let tangents = |a: f64, b: f64| {
-            let [a, b] = [a, b].map(|half| half.tan().powi(2).min(FLAT));
-            (axes, a, b)
-        };
-        let round = |half: f64| match half < PI {
-            true => Some(tangents(half, half)),
-            false => None,
-        };
-        let of_cones = match self.distribution {
-            Distribution::Elliptical { spread: [a, b], .. } => [Some(tangents(a, b)), None],
-            Distribution::Cone { inner, outer } => [round(inner), round(outer)],
-            _ => [round(self.distribution.cone()), None],
-        };
+        let of_cones = self.cone_weights().map(|weights| Some((axes, weights?)));
         let of_side = spot.side.map(|(side, _)| {
             let (u, v) = side.any_orthonormal_pair();
-            (DMat3::from_cols(u, v, side), FLAT, FLAT)
+            (DMat3::from_cols(u, v, side), weights(FLAT, FLAT))
         });
         let mut bends: Vec<f64> = of_cones
             .into_iter()
             .chain([of_side])
             .flatten()
-            .flat_map(|(axes, a, b)| cone(spot.position, axes, a, b, ray))
+            .flat_map(|(axes, weights)| cone(spot.position, axes, weights, ray))
             .flatten()
             .collect();
         bends.sort_unstable_by(f64::total_cmp);
         bends
+    }
+
+    /// The quadratic forms, in the lamp's axes (around, third, toward), that are 0 on the cones where its light ends or bends.
+    pub fn cone_weights(&self) -> [Option<DVec3>; 2] {
+        let square = |half: f64| half.tan().powi(2).min(FLAT);
+        let round = |half: f64| (half < PI).then(|| weights(square(half), square(half)));
+        match self.distribution {
+            Distribution::Elliptical { spread: [a, b], .. } => {
+                [Some(weights(square(a), square(b))), None]
+            }
+            Distribution::Cone { inner, outer } => [round(outer), round(inner)],
+            _ => [round(self.distribution.cone()), None],
+        }
     }
 
     /// Whether a spot shines toward a place at all, for all that its cone and its side say.
@@ -385,16 +398,19 @@ impl Lamp {
 /// The square of a tangent from which on a cone is a plane.
 const FLAT: f64 = 1e24;
 
-/// Where a ray crosses the cone x^2 / a + y^2 / b = z^2 in some axes around an apex, or its other half [m]; a and b are squares of
-/// tangents of half angles.
-fn cone(apex: DVec3, axes: DMat3, a: f64, b: f64, ray: &Ray) -> [Option<f64>; 2] {
+/// The quadratic form of the cone x^2 / a + y^2 / b = z^2; a and b are squares of tangents of half angles.
+fn weights(a: f64, b: f64) -> DVec3 {
+    // Scaled so that no term is beyond all bounds: a cone of no width is its axis, one of a right angle a plane.
+    let scale = 1.0 + a.min(b);
+    DVec3::new(-b, -a, a * b) / (scale * a.max(b).max(1.0))
+}
+
+/// Where a ray crosses the cone of a quadratic form in some axes around an apex, or its other half [m].
+fn cone(apex: DVec3, axes: DMat3, weights: DVec3, ray: &Ray) -> [Option<f64>; 2] {
     // From the ray's point nearest to the apex: there the linear terms are small.
     let foot = (apex - ray.origin).dot(ray.direction);
     let into = axes.transpose();
     let (base, along) = (into * (ray.at(foot) - apex), into * ray.direction);
-    // Scaled so that no term is beyond all bounds: a cone of no width is its axis, one of a right angle a plane.
-    let scale = 1.0 + a.min(b);
-    let weights = DVec3::new(-b, -a, a * b) / (scale * a.max(b).max(1.0));
     let form = |p: DVec3, q: DVec3| (weights * p).dot(q);
     let (square, linear, constant) = (form(along, along), form(along, base), form(base, base));
     // linear^2 - square constant, without taking nearly equal numbers from each other (Lagrange's identity).

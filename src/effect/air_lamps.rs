@@ -10,6 +10,8 @@
 //! nothing, and the last, which together could add less than a share of what the others do, or of what the ray in the middle of the
 //! picture gets of all, are left out. Light that is scattered more than once is neglected.
 //!
+//! On a GPU the fan goes through the tree of casters in f32, and each lit run is integrated by seven points on parts that are halved.
+//!
 //! That is the reference and what a picture is made with. Other ways of integrating, for comparison, are the values of the knob
 //! `integrator` ([`Integrator`]).
 
@@ -23,7 +25,10 @@ pub use integrator::Integrator;
 
 use super::surface_lamps::{LEFT_OUT, NO_LAMPS, counted};
 use super::visibility::first_surface;
-use super::{Contribution, Decision, Effect, Field, Knob, Paid, Settings};
+use super::{
+    Contribution, Decision, Effect, Field, Knob, Number, Over, Paid, Pass, Resource, Settings,
+    When, lamps_on_device,
+};
 use crate::colour::luminance;
 use crate::conditions::lamps::{Lamp, Spot};
 use crate::conditions::volumes::{Bounds, Queue, Volume, Volumes};
@@ -111,6 +116,30 @@ pub const AIR_LAMPS: Effect = Effect {
             fields.pay(paid);
         }))
     },
+    passes: &[Pass {
+        shader: include_str!("../../shaders/air_lamps.wgsl"),
+        entry: "scatter",
+        over: Over::Pixels,
+        when: When::Parts(lamps_on_device::parts),
+        uses: &[
+            Resource::Read(Field::Surface),
+            Resource::Update(Field::InscatterLights),
+            Resource::Knobs(|conditions, settings| {
+                let mut knobs = lamps_on_device::knobs(conditions, settings);
+                // f32 does not tell less.
+                knobs.push(("error", Number::float(settings.get("error").max(3e-5))));
+                let strongest = lamps_on_device::strongest(conditions);
+                knobs.push(("strongest", Number::float(strongest)));
+                knobs
+            }),
+            Resource::Part,
+            Resource::Lamps(lamps_on_device::texels),
+            Resource::CasterTree,
+            Resource::CasterCorners,
+            Resource::Facets,
+            Resource::Materials,
+        ],
+    }],
     ..Effect::NOTHING
 };
 

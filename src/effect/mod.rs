@@ -152,6 +152,7 @@ mod definition;
 mod fields;
 mod kept;
 pub mod lamp_faces;
+pub mod lamps_on_device;
 mod method;
 pub mod pass;
 pub mod radiosity;

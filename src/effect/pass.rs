@@ -72,6 +72,10 @@ pub struct MapSettings {
 pub enum When {
     /// Once for each tile of the picture and each sample of its pixels.
     Tile,
+    /// The same, but so many times, each for a part of the work ([`Resource::Part`] tells which). A pixel in whose field the pass leaves a
+    /// fourth number other than 0 has more to do than a run may take: the effect's reference does it. An effect with such passes has one,
+    /// and writes one field.
+    Parts(fn(&Conditions, &Settings<'_>) -> u32),
     /// For each tile, once for each of these beams, which the shader sees with its shadow maps in its bind group 2. Such passes
     /// of all effects run in turns, beam by beam, so that maps are drawn once for all.
     EachBeam(fn(&Conditions, &Settings<'_>) -> Vec<Beam>),
@@ -201,6 +205,13 @@ pub enum Resource {
     /// pass runs for each beam, and names attributes, facets, materials and texels too; without attributes and texels it has the
     /// tree and the disc's outlines alone. It does without the beam's shadow maps, which need not have been drawn: what asks them, `beam_reaches` for one, finds light everywhere.
     CasterTree,
+    /// Corners of all casters, for passes that have the tree and no beam: what is shaded is up to `way_is_shaded`.
+    CasterCorners,
+    /// Lamps, as `shaders/common/lamps.wgsl` reads them: `lamps: texture_2d<f32>`. The pass has the knobs that
+    /// [`super::lamps_on_device::knobs`] has.
+    Lamps(fn(&Conditions, &Settings<'_>) -> Vec<[f32; 4]>),
+    /// Which part of the work a run does, from 0: `part: u32`.
+    Part,
     /// Where surfaces end as the sun's whole disc sees them, edges in a tree of their own: `ends: texture_2d<u32>`, as
     /// `shaders/soft_edges.wgsl` reads it.
     Ends,

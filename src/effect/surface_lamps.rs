@@ -1,10 +1,14 @@
 //! Light of lamps on surfaces, with exact shadows.
 //!
 //! L = albedo / pi * sum over lamps of integral over the lamp of I(direction) cos(theta) V e^-tau / d^2 ([`crate::conditions::received`]
-//! has the method). A surface whose own triangle faces away is dark, whatever its interpolated normal says.
+//! has the method). A surface whose own triangle faces away is dark, whatever its interpolated normal says. On a GPU shadow rays go through
+//! the tree of casters in f32, and lamps are divided in the same way.
 
 use super::surface_sun::shadow_start;
-use super::{Contribution, Decision, Effect, Field, Knob, Paid, Surface};
+use super::{
+    Contribution, Decision, Effect, Field, Knob, Number, Over, Paid, Pass, Resource, Surface, When,
+    lamps_on_device,
+};
 use crate::conditions::received::{Care, Place, received};
 use crate::conditions::volumes::Queue;
 use crate::conditions::{Conditions, Receivers};
@@ -65,6 +69,31 @@ pub const SURFACE_LAMPS: Effect = Effect {
             fields.pay(paid);
         }))
     },
+    passes: &[Pass {
+        shader: include_str!("../../shaders/surface_lamps.wgsl"),
+        entry: "receive",
+        over: Over::Pixels,
+        when: When::Parts(lamps_on_device::parts),
+        uses: &[
+            Resource::Read(Field::Surface),
+            Resource::Update(Field::Lights),
+            Resource::Knobs(|conditions, settings| {
+                let mut knobs = lamps_on_device::knobs(conditions, settings);
+                knobs.push(("cells", Number::count(settings.get("cells"))));
+                // A difference of f32 is no less than this.
+                knobs.push(("share", Number::float(settings.get("share").max(1e-5))));
+                knobs
+            }),
+            Resource::Part,
+            Resource::Lamps(lamps_on_device::texels),
+            Resource::CasterTree,
+            Resource::CasterCorners,
+            Resource::Attributes,
+            Resource::Facets,
+            Resource::Materials,
+            Resource::Texels,
+        ],
+    }],
     ..Effect::NOTHING
 };
 

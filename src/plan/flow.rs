@@ -172,7 +172,7 @@ fn misfit(effect: &Effect, pass: &Pass) -> Option<String> {
             continue;
         };
         let longer = match pass.when {
-            When::Tile => product.life() != Life::Tile,
+            When::Tile | When::Parts(_) => product.life() != Life::Tile,
             When::EachBeam(_) => product.life() == Life::Kept,
             When::Once | When::Until(_) => false,
         };

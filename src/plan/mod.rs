@@ -7,7 +7,10 @@ mod flow;
 
 use crate::conditions::Conditions;
 use crate::effect::air_lamps::INTEGRATOR;
-use crate::effect::{ALL, Contribution, Decision, Effect, Field, Method, Pass, Settings, When};
+use crate::effect::{
+    ALL, Contribution, Decision, Effect, Field, Method, Pass, Resource, Settings, When,
+    lamps_on_device,
+};
 use crate::error::{Error, Result, nearest};
 use crate::frame::Part;
 use crate::medium::Medium;
@@ -104,6 +107,15 @@ const MOST_MEDIA: usize = 16;
 fn left_to_reference(effect: &Effect, conditions: &Conditions) -> Option<&'static str> {
     if asks_media(effect) && conditions.air.media.iter().any(Medium::is_curved) {
         return Some("the borders of a layer or an ellipsoid are curved");
+    }
+    let has_lamps = |resource: &Resource| matches!(resource, Resource::Lamps(_));
+    if effect
+        .passes
+        .iter()
+        .any(|pass| pass.uses.iter().any(has_lamps))
+    {
+        let in_air = effect.writes.contains(&Field::InscatterLights);
+        return lamps_on_device::fits_device(conditions, in_air).err();
     }
     let for_beams = |pass: &Pass| matches!(pass.when, When::EachBeam(_));
     if !effect.passes.iter().any(for_beams) {

@@ -83,7 +83,12 @@ impl Job<'_> {
     }
 
     /// The tile's rays with what they meet, as the device has found it.
-    fn rays_on_cpu(&self, corner: UVec2, extent: UVec2, rays: &[Ray]) -> Result<Vec<Fields>> {
+    pub(super) fn rays_on_cpu(
+        &self,
+        corner: UVec2,
+        extent: UVec2,
+        rays: &[Ray],
+    ) -> Result<Vec<Fields>> {
         let conditions = self.plan.conditions;
         let bytes = self.read(&[Field::Surface])?;
         let working = Space::Rec709.to_working();

@@ -24,6 +24,7 @@ use crate::scene::{Projection, Ray};
 use crate::task::Task;
 use glam::{DVec2, UVec2, Vec3};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use wgpu::*;
 
@@ -74,6 +75,8 @@ pub struct Job<'j> {
     pub sample: u32,
     /// What the CPU knows of the tile's rays, once it was asked.
     pub on_cpu: Option<Vec<Fields>>,
+    /// How many rays effects have left to their references.
+    pub left_over: BTreeMap<&'static str, usize>,
     pub made: Made,
     start_up: StartUp,
     /// Compiling that drivers leave to the first run.
@@ -185,6 +188,7 @@ impl<'j> Job<'j> {
             counts,
             sample: 0,
             on_cpu: None,
+            left_over: BTreeMap::new(),
             made,
             late: Duration::ZERO,
             before,
@@ -267,8 +271,10 @@ impl<'j> Job<'j> {
         let after = self.device.traffic();
         self.start_up.add(prepare::PIPELINES, self.late);
         self.made.maps = self.maps.as_ref().map_or(0, |maps| maps.runs);
+        let mut notes = film.as_ref().map(Film::notes).unwrap_or_default();
+        notes.extend(self.notes_of_rest());
         Ok(Rendered {
-            notes: film.as_ref().map(Film::notes).unwrap_or_default(),
+            notes,
             frame: film.map(Film::into_frame).unwrap_or_default(),
             steps: self.steps(times.as_deref()),
             traffic: Traffic {
@@ -297,7 +303,12 @@ impl<'j> Job<'j> {
             });
         }
         for (stage, i) in self.stages.iter().zip(0..) {
-            let on_cpu = matches!(stage.work, Work::Host(_)) || self.found_by_cpu(stage);
+            // What was not needed.
+            if matches!(stage.work, Work::Rest(..)) && stage.runs == 0 {
+                continue;
+            }
+            let by_cpu = matches!(stage.work, Work::Host(_) | Work::Rest(..));
+            let on_cpu = by_cpu || self.found_by_cpu(stage);
             steps.push(StepTime {
                 effect: stage.effect,
                 pass: stage.pass,
@@ -467,14 +478,17 @@ impl<'j> Job<'j> {
         let Work::Compute(compute) = &mut stage.work else {
             return Ok(());
         };
-        stage.runs += 1;
-        let groups = [&self.common, &compute.group];
-        if std::mem::take(&mut compute.cold) {
-            self.late += warm(self.device, &compute.pipeline, &groups)?;
-        }
         let over = compute.groups.unwrap_or(otherwise);
         let pipeline = &compute.pipeline;
-        dispatch(self.device, self.timer, index, pipeline, &groups, over)
+        for own in std::iter::once(&compute.group).chain(&compute.further) {
+            stage.runs += 1;
+            let groups = [&self.common, own];
+            if std::mem::take(&mut compute.cold) {
+                self.late += warm(self.device, pipeline, &groups)?;
+            }
+            dispatch(self.device, self.timer, index, pipeline, &groups, over)?;
+        }
+        Ok(())
     }
 
     /// Runs a stage that fills what is kept.
@@ -500,7 +514,7 @@ impl<'j> Job<'j> {
                 }
                 Ok(())
             }
-            Work::Camera(..) | Work::Host(_) => Ok(()),
+            Work::Camera(..) | Work::Host(_) | Work::Rest(..) => Ok(()),
         }
     }
 
@@ -557,6 +571,7 @@ impl<'j> Job<'j> {
                 Ok(())
             }
             Work::Host(_) => self.run_host(index, corner, extent, rays),
+            Work::Rest(..) => self.do_rest(index, corner, extent, rays),
             // It belongs to what is filled before all tiles.
             Work::Hemicube(..) => self.run_kept(index),
         }

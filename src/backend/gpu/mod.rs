@@ -13,7 +13,7 @@
 //! | `scene`, `store`, `beams`, `maps` | what lasts: the scene, fields and products, beams with their shadow maps and where these look |
 //! | `seen`, `window` | how far a picture's rays see; what lies within a rectangle along a direction |
 //! | `prepare`, `schedule`, `job`, `tile`, `view` | a plan made ready, in which order, and at work; the buffers of a tile, and its camera |
-//! | `draw`, `by_cpu`, `on_device` | one submit; what the CPU does of a tile; pictures that stay |
+//! | `draw`, `by_cpu`, `left_over`, `on_device` | one submit; what the CPU does of a tile, and of pixels that have too much to do; pictures that stay |
 //! | [`sky_map`], `hemicube` | maps of the whole sky; what patches of surfaces see of each other |
 
 pub mod adapters;
@@ -24,6 +24,7 @@ mod draw;
 mod ends;
 mod hemicube;
 mod job;
+mod left_over;
 mod maps;
 mod on_device;
 mod pipeline;

@@ -114,6 +114,7 @@ fn own_entries(effect: &Effect, pass: &Pass) -> Vec<BindGroupLayoutEntry> {
         _ => ShaderStages::COMPUTE,
     };
     let numbers = TextureSampleType::Uint;
+    let floats = TextureSampleType::Float { filterable: false };
     let (all, own) = bindings(effect, pass);
     all[..own]
         .iter()
@@ -125,6 +126,7 @@ fn own_entries(effect: &Effect, pass: &Pass) -> Vec<BindGroupLayoutEntry> {
                 Binding::Uniform => buffer(BufferBindingType::Uniform),
                 Binding::Texture => texture(numbers, TextureViewDimension::D2),
                 Binding::TextureArray => texture(numbers, TextureViewDimension::D2Array),
+                Binding::FloatTexture => texture(floats, TextureViewDimension::D2),
             };
             entry(binding, stages, ty)
         })

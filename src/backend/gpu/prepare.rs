@@ -41,11 +41,15 @@ pub enum Work<'p> {
     Camera(Raster, BindGroup, bool),
     Hemicube(Raster, BindGroup, Faces),
     Host(Host<'p>),
+    /// What the passes before left of a field to the effect's reference.
+    Rest(Batch<'p>, Field),
 }
 
 pub struct Compute {
     pub pipeline: ComputePipeline,
     pub group: BindGroup,
+    /// Those of further parts of the work.
+    pub further: Vec<BindGroup>,
     /// Workgroups; absent: those that cover the tile.
     pub groups: Option<[u32; 2]>,
     /// The numbers of the beams that it runs for, of a pass for each beam.
@@ -101,13 +105,19 @@ pub struct Maker<'m, 'p> {
 impl<'p> Maker<'_, 'p> {
     pub fn all(&mut self) -> Result<()> {
         let plan = self.plan;
+        let mut written: Vec<Field> = Vec::new();
         for step in plan.running() {
             let settings = Settings {
                 effect: step.effect.name,
                 values: &step.settings,
             };
             let effect = step.effect;
-            if step.is_by_reference(plan.conditions) {
+            let in_parts = |pass: &Pass| matches!(pass.when, When::Parts(_));
+            let in_parts = effect.passes.iter().any(in_parts);
+            // What it leaves to the reference takes the place of all that is there.
+            let is_late = in_parts && effect.writes.iter().any(|f| written.contains(f));
+            written.extend(effect.writes);
+            if is_late || step.is_by_reference(plan.conditions) {
                 self.host(effect, &settings)?;
                 continue;
             }
@@ -116,7 +126,25 @@ impl<'p> Maker<'_, 'p> {
             for pass in effect.passes {
                 self.pass(effect, pass, &settings)?;
             }
+            if let ([field], true) = (effect.writes, in_parts) {
+                self.rest(effect, *field, &settings)?;
+            }
         }
+        Ok(())
+    }
+
+    /// Lets the reference do what passes that run in parts leave.
+    fn rest(&mut self, effect: &'static Effect, field: Field, settings: &Settings) -> Result<()> {
+        if self.field(field).is_none() {
+            return Ok(());
+        }
+        let prepare = || (effect.reference)(self.plan.conditions, settings, self.kept);
+        let batch = self
+            .start_up
+            .timed(&format!("{}.prepare", effect.name), prepare)?;
+        self.schedule
+            .tile(self.stages.len(), Touched::by_host(effect));
+        self.push(effect, "reference", Work::Rest(batch, field));
         Ok(())
     }
 
@@ -204,7 +232,7 @@ impl<'p> Maker<'_, 'p> {
             let holes = (triangles.solid as usize) < triangles.numbers.len();
             let compile = || self.pipelines.raster(&what, holes);
             let (raster, layout) = self.start_up.timed(PIPELINES, compile);
-            let group = self.group(effect, pass, settings, &layout, None)?;
+            let group = self.group(effect, pass, settings, &layout, (None, 0))?;
             match view {
                 RasterView::Camera(traced) => {
                     let work = Work::Camera(raster, group, traced(settings));
@@ -277,8 +305,16 @@ impl<'p> Maker<'_, 'p> {
         let compile = || self.pipelines.compute(&what);
         let (pipeline, layout) = self.start_up.timed(PIPELINES, compile);
         let cold = self.pipelines.compiled > compiled;
+        let parts = match pass.when {
+            When::Parts(parts) => parts(plan.conditions, settings).max(1),
+            _ => 1,
+        };
         for field in each {
-            let group = self.group(effect, pass, settings, &layout, field)?;
+            let group = self.group(effect, pass, settings, &layout, (field, 0))?;
+            let further: Result<Vec<BindGroup>> = (1..parts)
+                .map(|part| self.group(effect, pass, settings, &layout, (field, part)))
+                .collect();
+            let further = further?;
             let beams = beams.clone();
             let groups = match pass.over {
                 Over::Groups(count) => Some(count(&self.extent(settings))),
@@ -289,6 +325,7 @@ impl<'p> Maker<'_, 'p> {
             let work = Work::Compute(Compute {
                 pipeline: pipeline.clone(),
                 group,
+                further,
                 groups,
                 beams,
                 cold,
@@ -314,7 +351,7 @@ impl<'p> Maker<'_, 'p> {
         let touched = Touched::by_pass(effect, pass, each);
         let number = self.stages.len();
         match pass.when {
-            When::Tile => self.schedule.tile(number, touched),
+            When::Tile | When::Parts(_) => self.schedule.tile(number, touched),
             When::EachBeam(_) => self.schedule.each_beam(number, effect.name, touched),
             When::Once | When::Until(_) => {}
         }
@@ -391,7 +428,7 @@ impl<'p> Maker<'_, 'p> {
         pass: &Pass,
         settings: &Settings,
         layout: &BindGroupLayout,
-        each: Option<Field>,
+        (each, part): (Option<Field>, u32),
     ) -> Result<BindGroup> {
         enum Bound {
             Buffer(Buffer),
@@ -428,6 +465,24 @@ impl<'p> Maker<'_, 'p> {
                     bound.push(Bound::View(tree.create_view(&Default::default())));
                     continue;
                 }
+                Resource::CasterCorners => {
+                    let make = || self.scene.caster_corners(device);
+                    let corners = self.start_up.timed(SCENE, make)?;
+                    bound.push(Bound::View(corners.create_view(&Default::default())));
+                    continue;
+                }
+                Resource::Lamps(make) => {
+                    let texels = make(conditions, settings);
+                    let lamps = self.store.texels(device, effect.name, texels)?;
+                    bound.push(Bound::View(lamps.create_view(&Default::default())));
+                    continue;
+                }
+                Resource::Part => Some(self.store.filled(
+                    device,
+                    &format!("part {part}"),
+                    &part.to_le_bytes(),
+                    BufferUsages::UNIFORM,
+                )?),
                 Resource::Ends => {
                     let ends = self.scene.ends(device, conditions)?;
                     bound.push(Bound::View(ends.create_view(&Default::default())));

@@ -1,6 +1,7 @@
 //! What Rust and the shaders share: constants, which stand here alone and are printed for the shaders, and structs, declared once
 //! here and compared with the shaders' by a test.
 
+use crate::effect::lamps_on_device;
 use crate::effect::soft_edges::PENUMBRA_NUMBERS;
 use crate::frame::NO_HIT;
 use crate::medium::FARTHEST;
@@ -54,6 +55,19 @@ constants! {
     PENUMBRA_SIZE: u32 = PENUMBRA_NUMBERS;
     /// Places of the table of what a line across the disc leaves of its light.
     SHARES: u32 = 257;
+    /// Texels of a lamp and of a spot, kinds of distributions, and what light comes from.
+    LAMP_TEXELS: u32 = lamps_on_device::LAMP_TEXELS;
+    SPOT_TEXELS: u32 = lamps_on_device::SPOT_TEXELS;
+    LIGHT_EVEN: u32 = lamps_on_device::EVEN;
+    LIGHT_SPOT: u32 = lamps_on_device::SPOT;
+    LIGHT_DOTS: u32 = lamps_on_device::DOTS;
+    LIGHT_ELLIPSE: u32 = lamps_on_device::ELLIPSE;
+    LIGHT_CONE: u32 = lamps_on_device::CONE;
+    LIGHT_TABLE: u32 = lamps_on_device::TABLE;
+    FORM_POINT: u32 = lamps_on_device::POINT;
+    FORM_LINE: u32 = lamps_on_device::LINE;
+    FORM_RECTANGLE: u32 = lamps_on_device::RECTANGLE;
+    FORM_SPHERE: u32 = lamps_on_device::SPHERE;
     /// Numbers of a [`Surface`] that is none, and of the ground; those of triangles follow.
     NOTHING: u32 = 0;
     GROUND: u32 = 1;

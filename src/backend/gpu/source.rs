@@ -22,8 +22,15 @@ pub(super) fn sky_table() -> String {
     sky::constants() + include_str!("../../../shaders/common/sky_table.wgsl")
 }
 
+/// Corners of all casters relative to the scene's anchor, row by row, where they come with a beam.
+const CORNERS_OF_BEAM: &str = "@group(2) @binding(3) var caster_corners: texture_2d<f32>;\n";
+
 /// What every shader begins with.
 pub(super) fn common(counting: bool) -> String {
+    text_before(counting) + CORNERS_OF_BEAM
+}
+
+fn text_before(counting: bool) -> String {
     let counts = match counting {
         true => include_str!("../../../shaders/common/counts.wgsl"),
         false => NO_COUNTS,
@@ -39,6 +46,7 @@ pub(super) enum Binding {
     Uniform,
     Texture,
     TextureArray,
+    FloatTexture,
 }
 
 impl Binding {
@@ -47,7 +55,8 @@ impl Binding {
             Resource::Update(_) | Resource::Each | Resource::Make(_) => Binding::Write,
             Resource::Numbers | Resource::CasterTree | Resource::Ends => Binding::Texture,
             Resource::Faces => Binding::TextureArray,
-            Resource::Knobs(_) => Binding::Uniform,
+            Resource::CasterCorners | Resource::Lamps(_) => Binding::FloatTexture,
+            Resource::Knobs(_) | Resource::Part => Binding::Uniform,
             _ => Binding::Read,
         }
     }
@@ -121,6 +130,9 @@ fn declared(resource: &Resource) -> (&'static str, &'static str) {
         Resource::Texels => ("texels", "array<u32>"),
         Resource::CasterTree => ("caster_tree", "texture_2d<u32>"),
         Resource::Ends => ("ends", "texture_2d<u32>"),
+        Resource::CasterCorners => ("caster_corners", "texture_2d<f32>"),
+        Resource::Lamps(_) => ("lamps", "texture_2d<f32>"),
+        Resource::Part => ("part", "u32"),
         Resource::Knobs(_) => ("knobs", "Knobs"),
         Resource::Table(_) => ("table", "array<f32>"),
         Resource::Sky => ("sky_numbers", "array<f32>"),
@@ -135,20 +147,27 @@ pub fn shader_text(
     settings: &Settings<'_>,
     counting: bool,
 ) -> String {
-    let mut text = common(counting);
-    for ((resource, access), binding) in bindings(effect, pass).0.iter().zip(0..) {
+    let (all, _) = bindings(effect, pass);
+    let own_corners =
+        |(resource, _): &(Resource, Binding)| matches!(resource, Resource::CasterCorners);
+    let mut text = match all.iter().any(own_corners) {
+        true => text_before(counting),
+        false => common(counting),
+    };
+    for ((resource, access), binding) in all.iter().zip(0..) {
         let (name, kind) = declared(resource);
         let space = match access {
             Binding::Read => "<storage, read>",
             Binding::Write => "<storage, read_write>",
             Binding::Uniform => "<uniform>",
-            Binding::Texture | Binding::TextureArray => "",
+            Binding::Texture | Binding::TextureArray | Binding::FloatTexture => "",
         };
         match resource {
             Resource::Knobs(_) => {
                 text += &knob_struct(&knobs(effect, pass, conditions, settings));
             }
             Resource::Sky => text += &sky_table(),
+            Resource::Lamps(_) => text += include_str!("../../../shaders/common/lamps.wgsl"),
             Resource::CasterTree => {
                 text += include_str!("../../../shaders/common/caster_tree.wgsl");
                 text += include_str!("../../../shaders/common/disc.wgsl");

@@ -2,6 +2,7 @@
 
 use super::device::Device;
 use super::draw::texture;
+use super::shared::TREE_WIDTH;
 use crate::conditions::{Conditions, Snapshot};
 use crate::effect::{Life, Product, Settings};
 use crate::error::{Error, Result};
@@ -134,6 +135,42 @@ impl Store {
         let made = texture(device, name, size, 1, format, usage);
         self.textures.insert(name, (made.clone(), true));
         made
+    }
+
+    /// A texture of numbers, in rows of [`TREE_WIDTH`], the one of that name if it has as many rows.
+    pub fn texels(
+        &mut self,
+        device: &Device,
+        name: &'static str,
+        mut texels: Vec<[f32; 4]>,
+    ) -> Result<Texture> {
+        let rows = texels.len().div_ceil(TREE_WIDTH as usize).max(1) as u32;
+        let most = device.limits().max_texture_dimension_2d;
+        if rows > most {
+            return Err(Error::failed(
+                format!(
+                    "the numbers of `{name}` fill {rows} rows of a texture, and the adapter takes {most}"
+                ),
+                "use `--backend reference`, another adapter, or fewer lamps",
+            ));
+        }
+        texels.resize((rows * TREE_WIDTH) as usize, [0.0; 4]);
+        let size = UVec2::new(TREE_WIDTH, rows);
+        let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+        let made = self.texture(device, name, size, TextureFormat::Rgba32Float, usage);
+        let bytes: &[u8] = bytemuck::cast_slice(&texels);
+        device.count(|traffic| traffic.uploaded += bytes.len() as u64);
+        device.queue.write_texture(
+            made.as_image_copy(),
+            bytes,
+            TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(16 * size.x),
+                rows_per_image: None,
+            },
+            made.size(),
+        );
+        Ok(made)
     }
 
     /// The buffer of a product.
