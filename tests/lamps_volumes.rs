@@ -66,7 +66,7 @@ fn many(count: usize) -> Vec<LampEntry> {
             },
             _ => LampForm::Point,
         };
-        let down = if i % 7 == 0 { 1.0 } else { -1.0 };
+        let down = if i.is_multiple_of(7) { 1.0 } else { -1.0 };
         LampEntry {
             toward: dvec3(at(3, -1.0, 1.0), down, at(2, -1.0, 1.0)),
             form,
@@ -185,7 +185,7 @@ fn the_light_of_many_lamps_is_the_sum_of_that_of_each() {
 /// Street lamps in pairs every 6 m down a street.
 fn street(count: usize) -> Vec<LampEntry> {
     let one = |i: usize| {
-        let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         LampEntry {
             toward: dvec3(-0.2 * side, -1.0, 0.0),
             ..lamp(
@@ -204,7 +204,7 @@ fn a_street_costs_by_the_lamps_that_the_picture_sees() {
     let at = |count: usize, target: DVec3, set: &[(&str, f64)]| {
         let seen = seen(
             street(count),
-            &[haze.clone()],
+            std::slice::from_ref(&haze),
             dvec3(0.0, 1.7, 5.0),
             target,
             [24, 15],
