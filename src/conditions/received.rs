@@ -3,10 +3,14 @@
 //! A point is one shadow ray in f64. A line, a rectangle or a sphere is divided: cells are halved each way until what they differ by
 //! is below a share of the lamp's light, so that penumbrae have no noise and no steps wider than that share.
 //!
+//! Surfaces that shine are divided too, from clusters of triangles down to parts of one (see [`super::faces`]): first until each is
+//! small as seen from the place, then where shadows fall between them.
+//!
 //! Lamps are gone through by the light that they would give if nothing stood in the way; the last, which together could add less than
 //! a share of what the others do, are left out.
 
 use super::Conditions;
+use super::faces::{Faces, Part};
 use super::lamps::{Lamp, Spot};
 use crate::colour::luminance;
 use crate::scene::Ray;
@@ -115,6 +119,9 @@ fn at_most(lamp: &Lamp, place: &Place) -> f64 {
 
 /// What a place receives from one lamp [lx, RGB].
 fn of_lamp(conditions: &Conditions, lamp: &Lamp, place: &Place, care: &Care) -> DVec3 {
+    if let Some(faces) = &lamp.faces {
+        return of_faces(conditions, lamp, faces, place, care);
+    }
     let of_part = |at: [f64; 2], size: f64| {
         let spot = lamp.spot(at, size, place.position);
         of_spot(conditions, lamp, &spot, place)
@@ -174,6 +181,83 @@ const NODE: f64 = 0.577_350_269_189_625_8;
 
 /// No part of a lamp is smaller than this, as a share of it each way.
 const FINEST: f64 = 1.0 / 512.0;
+
+/// What a place receives from surfaces that shine [lx, RGB].
+fn of_faces(
+    conditions: &Conditions,
+    lamp: &Lamp,
+    faces: &Faces,
+    place: &Place,
+    care: &Care,
+) -> DVec3 {
+    // By one place the error of a cluster is about the square of its size over its distance, by three that of a triangle its cube.
+    let reach = |part: &Part| match part {
+        Part::Cluster(_) => care.share.sqrt().min(0.4),
+        Part::Piece { .. } => care.share.cbrt().min(0.4),
+    };
+    let is_dark = |part: &Part| {
+        faces.is_behind(part, place.position, place.facet) || faces.looks_away(part, place.position)
+    };
+    let bare = |part: &Part| {
+        let mut sum = 0.0;
+        faces.spots(part, |spot| {
+            let toward = (spot.position - place.position).normalize_or_zero();
+            sum += place.cosine(toward) * luminance(lamp.illuminance(&spot, place.position));
+        });
+        sum
+    };
+    let mut open = vec![faces.whole()];
+    let mut small = Vec::new();
+    let mut scale = 0.0;
+    while let Some(part) = open.pop() {
+        if is_dark(&part) {
+            continue;
+        }
+        if faces.is_small(&part, place.position, reach(&part)) || is_finest(&part) {
+            let light = bare(&part);
+            scale += light;
+            small.push((part, light));
+        } else {
+            faces.divided(&part, |part| open.push(part));
+        }
+    }
+    let largest = scale / f64::from(care.cells * care.cells);
+    let mut sum = DVec3::ZERO;
+    while let Some((part, light)) = small.pop() {
+        if light == 0.0 {
+            continue;
+        }
+        let divide = |small: &mut Vec<(Part, f64)>| {
+            faces.divided(&part, |part| small.push((part, bare(&part))));
+        };
+        if light > largest * (1.0 + 1e-9) && !is_finest(&part) {
+            divide(&mut small);
+            continue;
+        }
+        let (mut found, mut least, mut most) = (DVec3::ZERO, f64::INFINITY, 0.0f64);
+        faces.spots(&part, |spot| {
+            let toward = (spot.position - place.position).normalize_or_zero();
+            let bare = place.cosine(toward) * luminance(lamp.illuminance(&spot, place.position));
+            let light = of_spot(conditions, lamp, &spot, place);
+            if bare > 0.0 {
+                least = least.min(luminance(light) / bare);
+                most = most.max(luminance(light) / bare);
+            }
+            found += light;
+        });
+        if (most - least) * light > care.share * scale && !is_finest(&part) {
+            divide(&mut small);
+        } else {
+            sum += found;
+        }
+    }
+    sum
+}
+
+/// Whether a part is divided no further.
+fn is_finest(part: &Part) -> bool {
+    matches!(part, Part::Piece { share, .. } if *share < FINEST * FINEST)
+}
 
 /// What a place receives from one spot of a lamp [lx, RGB].
 fn of_spot(conditions: &Conditions, lamp: &Lamp, spot: &Spot, place: &Place) -> DVec3 {

@@ -102,13 +102,17 @@ fn decide(conditions: &Conditions) -> Decision {
     }
     let strongest = media.iter().map(|m| m.phase.peak()).fold(0.0, f64::max);
     let lit = -(-conditions.greatest_optical_depth()).exp_m1();
+    let contribution = match conditions.greatest_lamp_luminance() {
+        bound if bound.is_finite() => Contribution::Bound(lit * bound),
+        _ => Contribution::Estimate(strongest * lit * conditions.typical_lamp_light()),
+    };
     Decision::run(
         format!(
             "{} in {}",
             counted(conditions.lamps.len()),
             conditions.media_phrase()
         ),
-        Contribution::Estimate(strongest * lit * conditions.typical_lamp_light()),
+        contribution,
     )
 }
 
@@ -234,5 +238,5 @@ fn scattered(
         .iter()
         .map(|([a, b], pass)| *pass * scattering.integrate(from + a, from + b))
         .sum();
-    lamp.intensity * sum
+    lamp.intensity * met.spot.tint * sum
 }
