@@ -443,14 +443,14 @@ def street_scene():
                 for column in range(int(depth / 2.4)):
                     mid = z - depth * (column + 0.5) / int(depth / 2.4)
                     low = 1.0 + 3.1 * floor
-                    thin = sorted((near - side * 0.04, near + side * 0.02))
-                    mesh.block("window", (thin[0], low, mid - 0.5), (thin[1], low + 1.6, mid + 0.5))
+                    x, ends = near - side * 0.02, (mid - side * 0.5, mid + side * 0.5)
+                    mesh.quad("window", (x, low, ends[0]), (x, low, ends[1]), (x, low + 1.6, ends[1]), (x, low + 1.6, ends[0]))
         z -= depth
         k += 1
-    for i in range(4):
+    for i in range(3):
         for side in (-1.0, 1.0):
             x, z = side * 4.5, 4.0 - 16.0 * i - (8.0 if side > 0.0 else 0.0)
-            mesh.lathe("iron", (x, 0.14, z), [(0.0, 0.0), (0.13, 0.0), (0.11, 0.5), (0.06, 0.7), (0.045, 5.0), (0.0, 5.0)], 12)
+            mesh.lathe("iron", (x, 0.14, z), [(0.0, 0.0), (0.13, 0.0), (0.11, 0.5), (0.06, 0.7), (0.045, 5.0), (0.0, 5.0)], 10)
             mesh.block("iron", (min(x, x - side * 1.1), 5.05, z - 0.04), (max(x, x - side * 1.1), 5.13, z + 0.04))
             mesh.block("iron", (x - side * 1.1 - 0.2, 5.02, z - 0.14), (x - side * 1.1 + 0.2, 5.16, z + 0.14))
     # A car that comes toward the eye.
@@ -483,7 +483,7 @@ def street_scene():
             (0.05, 0.05, 0.05),
             emissiveFactor=[1.0, 1.0, 1.0],
             emissiveTexture={"index": 0},
-            extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 420.0}},
+            extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 260.0}},
         ),
     ]
     angles = [0, 10, 20, 30, 40, 50, 55, 60, 65, 70, 75, 80, 90]
@@ -496,7 +496,7 @@ def street_scene():
     wall = lambda c, a: 100.0 * math.cos(math.radians(a)) ** 3 if a < 90 else 0.0
     files["wall.ies"] = ies("wall light", 900.0, [0], [0, 10, 20, 30, 40, 50, 60, 70, 80, 90], wall)
     lights = ""
-    for i in range(4):
+    for i in range(3):
         for side in (-1.0, 1.0):
             x, z = side * 4.5 - side * 1.1, 4.0 - 16.0 * i - (8.0 if side > 0.0 else 0.0)
             lights += f"""
@@ -512,9 +512,9 @@ distribution = {{ kind = "file", path = "lantern.ies" }}
 [[light]]
 name = "headlight {i + 1}"
 position = [{x:.2f}, 0.72, {cz + 0.02:.2f}]
-toward = [0.06, -0.045, 1.0]
+toward = [-0.10, -0.075, 1.0]
 around = [1.0, 0.0, 0.0]
-intensity = [7000.0, 7400.0, 8200.0]
+intensity = [3600.0, 3800.0, 4200.0]
 distribution = {{ kind = "elliptical", spread = [20.0, 8.0], sharpness = 0.7 }}
 """
     scene = f"""\
@@ -537,13 +537,13 @@ distribution = {{ kind = "file", path = "wall.ies" }}
 shape = "box"
 min = [-7.0, 0.0, -60.0]
 max = [7.0, 14.0, 14.0]
-scattering = 0.045
-absorption = 0.001
-phase = {{ kind = "henyey-greenstein", g = 0.7 }}
+scattering = 0.022
+absorption = 0.0005
+phase = {{ kind = "henyey-greenstein", g = 0.65 }}
 
 [picture]
 size = [640, 400]
-exposure = 3.4
+exposure = 4.1
 """
     files |= {"street.toml": scene.encode(), "street.glb": glb(mesh, materials, [sign()])}
     return files
@@ -623,9 +623,9 @@ def smoke_scene():
         t = k / 8.0
         rise = 1.02 + 2.1 * t**0.9
         x, z = -0.40 + 1.75 * t**1.9 + 0.07 * math.sin(5.0 * t), 0.10 * math.sin(7.0 * t)
-        radius = 0.17 + 0.42 * t**1.3
+        radius = 0.19 + 0.50 * t**1.2
         puffs.append(
-            ((x, rise, z), (1.12 * radius, (1.3 - 0.55 * t) * radius, radius), (0.0, 14.0 * k, -30.0 * t), 3.2 * 0.26 ** t)
+            ((x, rise, z), (1.12 * radius, (1.3 - 0.55 * t) * radius, radius), (0.0, 14.0 * k, -30.0 * t), 2.6 * 0.2 ** t)
         )
     puffs.append(((1.95, 2.78, -0.35), (0.42, 0.22, 0.35), (0.0, 20.0, -8.0), 0.55))
     puffs.append(((0.62, 2.08, 0.30), (0.30, 0.17, 0.24), (12.0, 0.0, 22.0), 0.6))
@@ -657,15 +657,15 @@ fov_y = 38.0
 name = "warm"
 position = [-3.4, 3.6, 0.8]
 toward = [3.8, -1.7, -0.8]
-intensity = [4200.0, 3300.0, 2100.0]
-distribution = {{ kind = "nishita-spot", spread = 21.0, sharpness = 0.35 }}
+intensity = [6200.0, 4800.0, 3000.0]
+distribution = {{ kind = "nishita-spot", spread = 21.0, sharpness = 0.02 }}
 
 [[light]]
 name = "cold"
 position = [3.2, 5.2, -1.8]
 toward = [-2.9, -3.2, 1.8]
-intensity = [700.0, 1200.0, 2400.0]
-distribution = {{ kind = "nishita-spot", spread = 24.0, sharpness = 0.35 }}
+intensity = [1000.0, 1700.0, 3400.0]
+distribution = {{ kind = "nishita-spot", spread = 24.0, sharpness = 0.02 }}
 
 [[medium]]
 shape = "box"
@@ -754,6 +754,9 @@ azimuth = 12.0
 elevation = 33.0
 illuminance = 90000.0
 
+[sky]
+model = "perez"
+
 [ground]
 height = -0.5
 
@@ -772,7 +775,7 @@ phase = { kind = "henyey-greenstein", g = 0.5 }
 
 [picture]
 size = [640, 400]
-exposure = 8.0
+exposure = 8.2
 """
     return {"window.toml": scene.encode(), "window.glb": glb(mesh, materials), "window.png": window_picture()}
 

@@ -21,9 +21,6 @@ const LOOKUPS: usize = 1 << 22;
 /// Parts whose luminances differ by no more than this share of the brightest are one.
 const ALIKE: f64 = 0.02;
 
-/// Faces look the same way where none is turned further from their mean than by this cosine.
-const SAME_WAY: f64 = 0.94;
-
 /// Faces that shine.
 #[derive(Clone)]
 pub struct Faces {
@@ -290,14 +287,15 @@ impl Faces {
         }
     }
 
-    /// Whether a part is small as seen from a place: no more than `reach` of its distance, and no face of it is turned another way.
-    pub fn is_small(&self, part: &Part, from: DVec3, reach: f64) -> bool {
+    /// Whether a part is small as seen from a place: no more than `reach` of its distance, and the cosine by which a face of it is
+    /// turned from their mean is no less than `same_way`.
+    pub fn is_small(&self, part: &Part, from: DVec3, reach: f64, same_way: f64) -> bool {
         let (middle, radius) = self.around(part);
-        let same_way = match part {
-            Part::Cluster(node) => self.nodes[*node as usize].spread >= SAME_WAY,
+        let looks_one_way = match part {
+            Part::Cluster(node) => self.nodes[*node as usize].spread >= same_way,
             Part::Piece { .. } => true,
         };
-        same_way && radius <= reach * middle.distance(from)
+        looks_one_way && radius <= reach * middle.distance(from)
     }
 
     /// Whether nothing of a part shines toward a place.

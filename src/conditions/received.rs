@@ -195,15 +195,18 @@ fn of_faces(
         Part::Cluster(_) => care.share.sqrt().min(0.4),
         Part::Piece { .. } => care.share.cbrt().min(0.4),
     };
+    let same_way = 1.0 - 0.9 * care.share.sqrt();
     let is_dark = |part: &Part| {
         faces.is_behind(part, place.position, place.facet) || faces.looks_away(part, place.position)
     };
-    let bare = |part: &Part| {
+    // What a spot would give if nothing stood in the way.
+    let bare = |spot: &Spot| {
+        let toward = (spot.position - place.position).normalize_or_zero();
+        place.cosine(toward) * lamp.illuminance(spot, place.position)
+    };
+    let bare_part = |part: &Part| {
         let mut sum = 0.0;
-        faces.spots(part, |spot| {
-            let toward = (spot.position - place.position).normalize_or_zero();
-            sum += place.cosine(toward) * luminance(lamp.illuminance(&spot, place.position));
-        });
+        faces.spots(part, |spot| sum += luminance(bare(&spot)));
         sum
     };
     let mut open = vec![faces.whole()];
@@ -213,38 +216,47 @@ fn of_faces(
         if is_dark(&part) {
             continue;
         }
-        if faces.is_small(&part, place.position, reach(&part)) || is_finest(&part) {
-            let light = bare(&part);
+        let is_small = faces.is_small(&part, place.position, reach(&part), same_way);
+        if is_small || is_finest(&part) {
+            let light = bare_part(&part);
             scale += light;
             small.push((part, light));
         } else {
             faces.divided(&part, |part| open.push(part));
         }
     }
-    let largest = scale / f64::from(care.cells * care.cells);
+    let largest = (1.0 + 1e-9) * scale / f64::from(care.cells * care.cells);
     let mut sum = DVec3::ZERO;
     while let Some((part, light)) = small.pop() {
         if light == 0.0 {
             continue;
         }
         let divide = |small: &mut Vec<(Part, f64)>| {
-            faces.divided(&part, |part| small.push((part, bare(&part))));
+            faces.divided(&part, |part| small.push((part, bare_part(&part))));
         };
-        if light > largest * (1.0 + 1e-9) && !is_finest(&part) {
+        if light > largest && !is_finest(&part) {
             divide(&mut small);
             continue;
         }
-        let (mut found, mut least, mut most) = (DVec3::ZERO, f64::INFINITY, 0.0f64);
+        // The shadow on what adds less than the share is that on one place of it.
+        let one = light <= care.share * scale;
+        let (mut found, mut through) = (DVec3::ZERO, Vec::with_capacity(4));
         faces.spots(&part, |spot| {
-            let toward = (spot.position - place.position).normalize_or_zero();
-            let bare = place.cosine(toward) * luminance(lamp.illuminance(&spot, place.position));
-            let light = of_spot(conditions, lamp, &spot, place);
-            if bare > 0.0 {
-                least = least.min(luminance(light) / bare);
-                most = most.max(luminance(light) / bare);
+            let bare = bare(&spot);
+            if bare == DVec3::ZERO {
+                return;
             }
-            found += light;
+            match through.first() {
+                Some(share) if one => found += *share * bare,
+                _ => {
+                    let light = of_spot(conditions, lamp, &spot, place);
+                    through.push(light / bare.max(DVec3::splat(f64::MIN_POSITIVE)));
+                    found += light;
+                }
+            }
         });
+        let shares = || through.iter().map(|share| share.max_element());
+        let (most, least) = (shares().fold(0.0, f64::max), shares().fold(1.0, f64::min));
         if (most - least) * light > care.share * scale && !is_finest(&part) {
             divide(&mut small);
         } else {

@@ -10,7 +10,7 @@ pub type SceneFiles = &'static [(&'static str, &'static [u8])];
 
 macro_rules! files {
     ($folder:literal: $($name:literal),+) => {
-        &[$(($name, include_bytes!(concat!("../../data/", $folder, "/", $name)))),+]
+        &[$(($name, include_bytes!(concat!("../../data/", $folder, "/", $name)) as &[u8])),+]
     };
 }
 
@@ -20,7 +20,8 @@ const EMBEDDED: [(&str, &str, SceneFiles); 6] = [
         "nave",
         "a church nave on an autumn morning",
         files!("nave": "nave.toml", "nave.glb"),
-    )(
+    ),
+    (
         "teapot",
         "a spotlight on a teapot in fog",
         files!("scenes/teapot": "teapot.toml", "teapot.glb"),
