@@ -4,7 +4,7 @@
 //! way is one point of light on one of them; from nearby its parts are, and at last parts of a triangle (Walter et al. 2005,
 //! Lightcuts). So a sign costs by how near it is and by the shadows that fall on its light, not by its number of triangles.
 
-use super::lamps::Spot;
+use super::spot::Spot;
 use crate::colour::{Space, luminance};
 use crate::scene::{Geometry, Scene};
 use glam::DVec3;

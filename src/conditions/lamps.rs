@@ -10,6 +10,8 @@ use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+pub use super::spot::Spot;
+
 /// No place is nearer to a point of light than a micrometre [m2].
 const NEAREST: f64 = 1e-12;
 
@@ -38,21 +40,6 @@ pub struct Lamp {
     housed: Option<Arc<Geometry>>,
     /// The faces of one that is a surface of the scene.
     pub(super) faces: Option<Arc<Faces>>,
-}
-
-/// A place of a lamp that stands for a part of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
-    /// Where it is [m].
-    pub position: DVec3,
-    /// The side on which it shines, and whether the cosine with it counts; `None` where it shines all around.
-    pub side: Option<(DVec3, bool)>,
-    /// The part of the lamp's intensity that it has [1].
-    pub share: f64,
-    /// How far it stands for the lamp [m]: nearer than this it gets no brighter.
-    pub radius: f64,
-    /// Its colour beside the lamp's [1, RGB].
-    pub tint: DVec3,
 }
 
 impl Lamp {

@@ -12,6 +12,7 @@ mod lines;
 mod penumbra;
 pub mod received;
 mod request;
+mod spot;
 mod sun;
 mod unused;
 mod view;

@@ -1,12 +1,10 @@
 //! The scenes that are compiled into the library.
 
+use super::files::{SceneFiles, file_of};
 use super::placement::Placement;
 use super::{Scene, gltf, toml};
 use crate::error::{Error, Result, nearest};
 use std::path::Path;
-
-/// The files of a scene by name; the first is the scene file.
-pub type SceneFiles = &'static [(&'static str, &'static [u8])];
 
 macro_rules! files {
     ($folder:literal: $($name:literal),+) => {
@@ -76,12 +74,6 @@ pub fn builtin_files(name: &str) -> Result<(&'static str, SceneFiles)> {
             },
         )),
     }
-}
-
-/// The content of a file of a scene.
-pub(super) fn file_of(files: SceneFiles, name: &str) -> Option<&'static [u8]> {
-    let mut files = files.iter();
-    Some(files.find(|(known, _)| *known == name)?.1)
 }
 
 impl Scene {

@@ -1,7 +1,7 @@
 //! Lamps of a scene file: the table `[[light]]`, and what is read from it.
 
 use super::NamedNode;
-use super::builtin::{SceneFiles, file_of};
+use super::files::{SceneFiles, file_of};
 use crate::error::{Error, Result};
 use crate::photometry::{self, Distribution, Tilt};
 use crate::units::DEG;

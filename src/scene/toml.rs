@@ -3,8 +3,8 @@
 //! The structs here are the file's only definition: the JSON Schema of `tyndall schema` is made from them, a file is
 //! checked against that schema ([`super::check`]), and then read into them.
 
-use super::builtin::SceneFiles;
 use super::camera::{Camera, Projection};
+use super::files::SceneFiles;
 use super::filling::{Filling, MediumTable, Wrong};
 use super::lamp::LightTable;
 use super::placement::{self, Placement};
