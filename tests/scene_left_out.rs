@@ -120,7 +120,7 @@ material.emissiveTexture | /materials/0/emissiveTexture | {"index": 0} | says em
 material.emissiveFactor | /materials/0/emissiveFactor | [1, 0, 0] | changes
 material.alphaMode | /materials/0/alphaMode | "BLEND" | changes
 material.alphaCutoff | /materials/0/alphaCutoff | 0.5 | changes
-material.doubleSided | /materials/0/doubleSided | true | changes
+material.doubleSided | /materials/0/doubleSided | true | silent
 pbrMetallicRoughness.baseColorFactor | /materials/0/pbrMetallicRoughness/baseColorFactor | [0, 0, 0, 1] | changes
 pbrMetallicRoughness.baseColorTexture | /materials/0/pbrMetallicRoughness/baseColorTexture | {"index": 9} | refused
 pbrMetallicRoughness.metallicFactor | /materials/0/pbrMetallicRoughness/metallicFactor | 1 | says metallic

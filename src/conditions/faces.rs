@@ -6,7 +6,7 @@
 
 use super::spot::Spot;
 use crate::colour::{Space, luminance};
-use crate::scene::{Geometry, Scene};
+use crate::scene::{Geometry, Ray, Scene};
 use glam::DVec3;
 
 /// Places of light lie so far before their face, as a share of the size of the scene: a face does not shade itself.
@@ -20,6 +20,9 @@ const MOST_LEVELS: u32 = 4;
 const LOOKUPS: usize = 1 << 22;
 /// Parts whose luminances differ by no more than this share of the brightest are one.
 const ALIKE: f64 = 0.02;
+
+/// In the air faces look the same way where none is turned further from their mean than by this cosine.
+const LOOKS_ONE_WAY: f64 = 0.9;
 
 /// Faces that shine.
 #[derive(Clone)]
@@ -400,6 +403,47 @@ impl Faces {
         }
     }
 
+    /// Places that stand for all of them on a ray from its origin to a distance [m]: parts no larger than 1 / `count` of how far they
+    /// are from it, and no smaller than 1 / `count`^2 of all.
+    pub fn along(&self, ray: &Ray, end: f64, count: u32, mut found: impl FnMut(Spot)) {
+        let count = f64::from(count);
+        let (_, whole) = self.ball();
+        let mut open = vec![self.whole()];
+        while let Some(part) = open.pop() {
+            let (middle, radius) = self.around(&part);
+            let foot = (middle - ray.origin).dot(ray.direction).clamp(0.0, end);
+            let is_least = radius * count * count <= whole;
+            let reach = if is_least { f64::INFINITY } else { 1.0 / count };
+            if self.is_small(&part, ray.at(foot), reach, LOOKS_ONE_WAY) {
+                found(self.one(&part));
+            } else {
+                self.divided(&part, |part| open.push(part));
+            }
+        }
+    }
+
+    /// A place that stands for a part.
+    fn one(&self, part: &Part) -> Spot {
+        match part {
+            Part::Cluster(node) => self.of_node(*node),
+            Part::Piece {
+                face,
+                corners,
+                share,
+            } => {
+                let face = &self.all[*face as usize];
+                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+                let radius = 0.5 * self.around(part).1;
+                self.spot(
+                    middle + self.lift * face.normal,
+                    face.normal,
+                    *share * face.light,
+                    radius,
+                )
+            }
+        }
+    }
+
     /// Places that stand for all of them wherever they are seen from, about `count` each way on a flat sign.
     pub fn beams(&self, count: u32) -> Vec<Spot> {
         let count = count as usize;
@@ -430,25 +474,7 @@ impl Faces {
                 self.divided(&part, |part| open.push(part));
             }
         }
-        let one = |part: &Part| match part {
-            Part::Cluster(node) => self.of_node(*node),
-            Part::Piece {
-                face,
-                corners,
-                share,
-            } => {
-                let face = &self.all[*face as usize];
-                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-                let radius = 0.5 * self.around(part).1;
-                self.spot(
-                    middle + self.lift * face.normal,
-                    face.normal,
-                    *share * face.light,
-                    radius,
-                )
-            }
-        };
-        done.iter().map(one).collect()
+        done.iter().map(|part| self.one(part)).collect()
     }
 }
 

@@ -363,6 +363,13 @@ impl Lamp {
             .collect()
     }
 
+    /// Places that stand for the lamp on a ray from its origin to a distance [m], if it is a surface that shines.
+    pub fn faces_along(&self, ray: &Ray, end: f64, count: u32, found: impl FnMut(Spot)) {
+        if let Some(faces) = &self.faces {
+            faces.along(ray, end, count, found);
+        }
+    }
+
     /// Illuminance of a spot on a plane that faces it, if nothing stands in the way [lx, RGB].
     pub fn illuminance(&self, spot: &Spot, point: DVec3) -> DVec3 {
         let way = point - spot.position;

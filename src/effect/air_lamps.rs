@@ -4,7 +4,7 @@
 //! the ray that a lamp's cone and side leave is found first: a ray that meets none costs nothing more. On it the fan between lamp and
 //! ray gives the exact lit runs ([`crate::scene::curtain`]), and each is integrated in the angle that the lamp sees
 //! ([`crate::medium::LocalScattering`]), in which nothing peaks however near the lamp is. A lamp with an extent is as many points as `points`
-//! says.
+//! says; a surface that shines is parts no larger than 1 / `points` of how far they are from the ray.
 //!
 //! Lamps are gone through by the most that they could add; the last, which together could add less than a share of what the others
 //! do, are left out. Light that is scattered more than once is neglected.
@@ -48,6 +48,7 @@ pub const AIR_LAMPS: Effect = Effect {
         let spots: Vec<(&Lamp, Spot)> = conditions
             .lamps
             .iter()
+            .filter(|lamp| lamp.glow().is_none())
             .flat_map(|lamp| lamp.spots(points).into_iter().map(move |spot| (lamp, spot)))
             .collect();
         Ok(Box::new(move |fields| {
@@ -60,19 +61,12 @@ pub const AIR_LAMPS: Effect = Effect {
                     return present;
                 }
                 met.clear();
-                met.extend(spots.iter().filter_map(|(lamp, spot)| {
-                    let bends = lamp.bends(spot, ray);
-                    let span = illuminated(lamp, spot, ray, &bends, end)?;
-                    let span = on_its_side(conditions, spot, ray, span)?;
-                    let most = at_most(conditions, lamp, spot, ray, span);
-                    (most > 0.0).then_some(Met {
-                        lamp,
-                        spot,
-                        span,
-                        bends,
-                        most,
-                    })
-                }));
+                let meets = |lamp, spot: &Spot| meets(conditions, lamp, *spot, ray, end);
+                met.extend(spots.iter().filter_map(|(lamp, spot)| meets(lamp, spot)));
+                for lamp in conditions.lamps.iter() {
+                    let found = |spot| met.extend(meets(lamp, &spot));
+                    lamp.faces_along(ray, end, points, found);
+                }
                 met.sort_by(|a: &Met, b: &Met| b.most.total_cmp(&a.most));
                 let rests = rests(met.iter().map(|met| met.most));
                 let mut sum = DVec3::ZERO;
@@ -119,13 +113,34 @@ fn decide(conditions: &Conditions) -> Decision {
 /// A spot of a lamp on whose light a ray may come.
 struct Met<'a> {
     lamp: &'a Lamp,
-    spot: &'a Spot,
+    spot: Spot,
     /// The part of the ray on which it may shine [m].
     span: [f64; 2],
     /// Where its light begins, ends or bends along the ray [m].
     bends: Vec<f64>,
     /// The most that it adds [cd/m2, luminance].
     most: f64,
+}
+
+/// A spot and the first `end` metres of a ray, if it may shine on any of them.
+fn meets<'a>(
+    conditions: &Conditions,
+    lamp: &'a Lamp,
+    spot: Spot,
+    ray: &Ray,
+    end: f64,
+) -> Option<Met<'a>> {
+    let bends = lamp.bends(&spot, ray);
+    let span = illuminated(lamp, &spot, ray, &bends, end)?;
+    let span = on_its_side(conditions, &spot, ray, span)?;
+    let most = at_most(conditions, lamp, &spot, ray, span);
+    (most > 0.0).then_some(Met {
+        lamp,
+        spot,
+        span,
+        bends,
+        most,
+    })
 }
 
 /// The part of the first `end` metres of a ray on which a spot may shine.
