@@ -52,10 +52,8 @@ impl TextureUse {
             translation: used.offset,
         };
         let back = affine(self);
-        if self.set != other.set || !(back.matrix2.determinant().abs() > 1e-12) {
-            return None;
-        }
-        Some(affine(other) * back.inverse())
+        let is_told = self.set == other.set && back.matrix2.determinant().abs() > 1e-12;
+        is_told.then(|| affine(other) * back.inverse())
     }
 }
 
