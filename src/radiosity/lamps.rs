@@ -14,6 +14,10 @@ const SPOTS: [usize; 2] = [16, 128];
 /// What differs by more of the mean is not alike [1].
 const ALIKE: f64 = 0.05;
 
+/// Surfaces that shine have no narrow beams: where they alone give light, so many points are enough if they differ by less than this
+/// share of the mean.
+const SMOOTH: (usize, f64) = (4, 0.01);
+
 /// The mean illuminance of a patch by lamps [lx, RGB]; `near` is how far from it shadow rays leave it [m], `turn` tells it from the others.
 pub(super) fn lamps_on(conditions: &Conditions, patch: &Patch, near: f64, turn: u64) -> DVec3 {
     if conditions.lamps.is_empty() {
@@ -21,17 +25,25 @@ pub(super) fn lamps_on(conditions: &Conditions, patch: &Patch, near: f64, turn: 
     }
     let mut of = at_points(conditions, patch, near, turn);
     let [few, many] = SPOTS;
-    let found: Vec<DVec3> = (0..few).map(&mut of).collect();
-    let sum: DVec3 = found.iter().sum();
-    let mean = sum / few as f64;
-    let off = |v: &DVec3| (*v - mean).abs().max_element();
-    let most = found.iter().map(off).fold(0.0, f64::max);
-    // A narrow beam may fall between the first.
-    let is_dark = mean == DVec3::ZERO;
-    if !is_dark && most <= ALIKE * mean.max_element() {
+    let (least, smooth) = SMOOTH;
+    let are_smooth = conditions.lamps.iter().all(|lamp| lamp.glow().is_some());
+    let mut found: Vec<DVec3> = (0..least).map(&mut of).collect();
+    if are_smooth && let Some(mean) = alike(&found, smooth) {
         return mean;
     }
-    (sum + (few..many).map(of).sum::<DVec3>()) / many as f64
+    found.extend((least..few).map(&mut of));
+    if let Some(mean) = alike(&found, ALIKE) {
+        return mean;
+    }
+    (found.iter().sum::<DVec3>() + (few..many).map(of).sum::<DVec3>()) / many as f64
+}
+
+/// The mean of values that differ from it by no more than a share of it; of dark ones none, between which a narrow beam may fall.
+fn alike(found: &[DVec3], share: f64) -> Option<DVec3> {
+    let mean = found.iter().sum::<DVec3>() / found.len() as f64;
+    let off = |v: &DVec3| (*v - mean).abs().max_element();
+    let most = found.iter().map(off).fold(0.0, f64::max);
+    (mean != DVec3::ZERO && most <= share * mean.max_element()).then_some(mean)
 }
 
 /// Whether any lamp reaches a patch: whether [`lamps_on`] is more than nothing, as the first lit point tells.
