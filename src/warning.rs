@@ -229,6 +229,15 @@ pub enum Warning {
         /// Their names, and why.
         lamps: Vec<(String, &'static str)>,
     },
+    /// Surfaces that shine too faintly to be seen beside sun and sky, and are taken as dark.
+    FaintEmission {
+        /// Their materials.
+        materials: Vec<String>,
+        /// The greatest of their luminances [cd/m2].
+        brightest: f64,
+        /// A typical luminance under sun and sky [cd/m2].
+        beside: f64,
+    },
     /// Quantities of a ground that the scene has not.
     UnusedGround {
         /// Their keys.
@@ -345,6 +354,9 @@ impl Warning {
             ),
             Warning::DarkLamps { .. } => Some(
                 "give it an intensity, put it where its light gets out, or name its housing in `ignore`",
+            ),
+            Warning::FaintEmission { .. } => Some(
+                "emission is in cd/m2: give a lamp or a screen its luminance by KHR_materials_emissive_strength or Ke, some hundreds or more",
             ),
             Warning::UnusedGround { .. } => {
                 Some("leave them out, or let the ground be there (enabled = true)")
@@ -564,6 +576,17 @@ impl fmt::Display for Warning {
                 let list: Vec<String> = lamps.map(|(name, why)| format!("`{name}` ({why})")).collect();
                 write!(f, "lamps that give little or no light: {}", listed(&list))
             }
+            Warning::FaintEmission {
+                materials,
+                brightest,
+                beside,
+            } => write!(
+                f,
+                "emission of at most {} cd/m2 is not seen beside about {} cd/m2 under sun and sky, and left out: {}",
+                figure(*brightest),
+                figure(*beside),
+                quoted(materials)
+            ),
             Warning::UnusedGround { keys } => write!(
                 f,
                 "the scene's ground is not there (enabled = false), so these have no effect: {}",

@@ -116,8 +116,8 @@ material.name | /materials/0/name | "it" | changes
 material.pbrMetallicRoughness | /materials/0/pbrMetallicRoughness | {"metallicFactor": 0} | changes
 material.normalTexture | /materials/0/normalTexture | {"index": 0} | says normal texture
 material.occlusionTexture | /materials/0/occlusionTexture | {"index": 0} | says occlusion texture
-material.emissiveTexture | /materials/0/emissiveTexture | {"index": 0} | says emission
-material.emissiveFactor | /materials/0/emissiveFactor | [1, 0, 0] | says emission
+material.emissiveTexture | /materials/0/emissiveTexture | {"index": 0} | says emissive texture whose factor
+material.emissiveFactor | /materials/0/emissiveFactor | [1, 0, 0] | changes
 material.alphaMode | /materials/0/alphaMode | "BLEND" | changes
 material.alphaCutoff | /materials/0/alphaCutoff | 0.5 | changes
 material.doubleSided | /materials/0/doubleSided | true | silent

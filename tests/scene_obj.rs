@@ -425,7 +425,7 @@ fn what_is_not_read_is_named() {
     let scene = with_mtl(&folder, format!("{MTL}{neutral}"));
     says(&scene, &[]);
     let scene = with_mtl(&folder, format!("{MTL}{keys}newmtl other\nKs 1 1 1\n"));
-    let expected = "m.mtl: surfaces are Lambertian|Ks (2)|Ke (1)|map_Ka (1)|map_Ks (1)|map_Bump (1)|bump (1)|norm (1)|disp (1)|decal (1)|refl (1)|map_Pr (1)|Pm (1)|illum 3 and above (1)|my_key (1)";
+    let expected = "m.mtl: surfaces are Lambertian|Ks (2)|map_Ka (1)|map_Ks (1)|map_Bump (1)|bump (1)|norm (1)|disp (1)|decal (1)|refl (1)|map_Pr (1)|Pm (1)|illum 3 and above (1)|my_key (1)";
     says(&scene, &[expected]);
 }
 

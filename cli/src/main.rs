@@ -18,7 +18,7 @@ mod tables;
 mod tell;
 
 use crate::commands::{
-    accuracy, completions, daylight, doctor, photometry, plan, render, schema, sky, sun,
+    accuracy, completions, daylight, doctor, photometry, plan, render, scene, schema, sky, sun,
 };
 use clap::{CommandFactory, Parser, Subcommand};
 use std::io::{ErrorKind, Write};
@@ -48,6 +48,7 @@ enum Command {
     Accuracy(accuracy::AccuracyArgs),
     Photometry(photometry::PhotometryArgs),
     Doctor(doctor::DoctorArgs),
+    Scene(scene::SceneCommand),
     Schema(schema::SchemaArgs),
     Completions(completions::CompletionsArgs),
     Man(completions::ManArgs),
@@ -99,6 +100,7 @@ fn run(command: Command) -> ExitCode {
         Command::Accuracy(args) => accuracy::run(&args),
         Command::Photometry(args) => photometry::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Scene(args) => scene::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::man(&args, Cli::command()),

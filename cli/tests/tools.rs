@@ -55,3 +55,22 @@ fn manual_pages_are_printed() {
     assert_eq!(output.status.code(), Some(2));
     assert!(output.stdout.is_empty() && !output.stderr.is_empty());
 }
+
+#[test]
+fn built_in_scenes_are_listed_and_written() {
+    let output = tyndall(&["scene"]);
+    let list = stdout(&output);
+    for name in tyndall::scene::BUILTIN {
+        assert!(list.contains(name), "{name}: {list}");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let into = folder.path().join("smoke");
+    let into = into.to_str().expect("a name");
+    let output = tyndall(&["scene", "smoke", "-o", into]);
+    let written = stdout(&output);
+    assert!(written.trim_end().ends_with("smoke.toml"), "{written}");
+    assert!(tyndall::scene::load(std::path::Path::new(written.trim_end())).is_ok());
+    // What is there is not written over.
+    let again = tyndall(&["scene", "smoke", "-o", into]);
+    assert_eq!(again.status.code(), Some(2));
+}

@@ -2,7 +2,9 @@
 
 use super::received::Lit;
 use super::request::{CameraChoice, Request};
-use super::{Conditions, GroundPlane, Lamp, Receivers, Sun, View, checks, toward, unused};
+use super::{
+    Conditions, GroundPlane, Lamp, Receivers, Sun, View, checks, toward, typical_luminance, unused,
+};
 use crate::ephemeris::civil::{self, Moment, Reading};
 use crate::ephemeris::{Site, SunPosition, Tier, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
@@ -78,11 +80,18 @@ impl Conditions {
         if !dark.is_empty() {
             warnings.push(Warning::DarkLamps { lamps: dark });
         }
-        let lamps: Vec<Lamp> = lamps.into_iter().filter(Lamp::shines).collect();
+        let glowing = Lamp::glowing(&scene, &geometry)?;
+        let all_lamps: Arc<[Lamp]> = lamps
+            .into_iter()
+            .filter(Lamp::shines)
+            .chain(glowing)
+            .collect();
+        let lamps = seen_beside(&moment, &all_lamps, &mut warnings);
         Ok(Conditions {
-            warnings,
             lit: Lit::new(&lamps, &geometry, ground).into(),
-            lamps: lamps.into(),
+            lamps,
+            all_lamps,
+            warnings,
             geometry,
             view: View {
                 camera,
@@ -116,8 +125,12 @@ impl Conditions {
             ));
         }
         let moment = moment(&self.scene, &self.request, Some(time), self.air.ground)?;
+        let mut warnings = warnings(&self.scene, &self.request, &self.geometry, &moment);
+        let lamps = seen_beside(&moment, &self.all_lamps, &mut warnings);
         Ok(Conditions {
-            warnings: warnings(&self.scene, &self.request, &self.geometry, &moment),
+            lit: Lit::new(&lamps, &self.geometry, self.ground).into(),
+            lamps,
+            warnings,
             sun: moment.sun,
             sky: moment.sky,
             instant: moment.instant,
@@ -187,6 +200,32 @@ fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> 
             ground: height,
         },
     })
+}
+
+/// Surfaces that shine with less than this share of a typical luminance under sun and sky are left out.
+const TOO_FAINT: f64 = 1e-3;
+
+/// The lamps of all that are not lost beside sun and sky. What a surface shines with bounds what it adds anywhere: no other surface
+/// and no air gets brighter by its light than it is itself.
+fn seen_beside(moment: &AtMoment, all: &Arc<[Lamp]>, warnings: &mut Vec<Warning>) -> Arc<[Lamp]> {
+    let typical = typical_luminance(&moment.sun, moment.sky.as_deref());
+    let is_lost = |lamp: &&Lamp| lamp.glow().is_some_and(|glow| glow < TOO_FAINT * typical);
+    let lost: Vec<&Lamp> = all.iter().filter(is_lost).collect();
+    if lost.is_empty() {
+        return all.clone();
+    }
+    let brightest = lost
+        .iter()
+        .filter_map(|lamp| lamp.glow())
+        .fold(0.0, f64::max);
+    let mut materials: Vec<String> = lost.iter().map(|lamp| lamp.name.clone()).collect();
+    materials.dedup();
+    warnings.push(Warning::FaintEmission {
+        materials,
+        brightest,
+        beside: typical,
+    });
+    all.iter().filter(|lamp| !is_lost(lamp)).cloned().collect()
 }
 
 /// What is said of the scene, the time and the sky.

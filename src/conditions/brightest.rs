@@ -24,11 +24,7 @@ impl Conditions {
     pub fn brightest(&self) -> Brightest {
         let sky = self.brightest_sky();
         let r = self.greatest_albedo();
-        // Near a lamp there is no bound.
-        let lamps = match self.lamps.is_empty() {
-            true => 0.0,
-            false => f64::INFINITY,
-        };
+        let lamps = self.greatest_lamp_luminance();
         let surface = match r {
             0.0 => 0.0,
             r => (self.sun.illuminance_lux() / PI + sky + lamps) * r / (1.0 - r).max(0.0),

@@ -1,5 +1,6 @@
 //! Lamps as physics has them: where they are, what they shine with, and what stands before them.
 
+use super::faces::Faces;
 use crate::beam::Beam;
 use crate::colour::{Space, luminance};
 use crate::error::{Error, Result, nearest};
@@ -8,6 +9,8 @@ use crate::scene::{Geometry, LampForm, PunctualKind, Ray, Scene};
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
+
+pub use super::spot::Spot;
 
 /// No place is nearer to a point of light than a micrometre [m2].
 const NEAREST: f64 = 1e-12;
@@ -35,6 +38,8 @@ pub struct Lamp {
     pub form: LampForm,
     /// What stands in the way of its light, where that is not all that stands in the way of light.
     housed: Option<Housed>,
+    /// The faces of one that is a surface of the scene.
+    pub(super) faces: Option<Arc<Faces>>,
 }
 
 /// What a lamp's housing leaves of the casters.
@@ -44,19 +49,6 @@ struct Housed {
     material: String,
     /// All casters of other materials.
     without: Arc<Geometry>,
-}
-
-/// A place of a lamp that stands for a part of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
-    /// Where it is [m].
-    pub position: DVec3,
-    /// The side on which it shines, and whether the cosine with it counts; `None` where it shines all around.
-    pub side: Option<(DVec3, bool)>,
-    /// The part of the lamp's intensity that it has [1].
-    pub share: f64,
-    /// How far it stands for the lamp [m]: nearer than this it gets no brighter.
-    pub radius: f64,
 }
 
 impl Lamp {
@@ -93,6 +85,7 @@ impl Lamp {
                 distribution: entry.distribution.clone(),
                 form: entry.form,
                 housed: without,
+                faces: None,
             });
         }
         for light in &scene.lights {
@@ -113,9 +106,46 @@ impl Lamp {
                 distribution,
                 form: LampForm::Point,
                 housed: None,
+                faces: None,
             });
         }
         Ok(lamps)
+    }
+
+    /// The surfaces of a scene that shine: a lamp for each material, and one for its backs.
+    pub(super) fn glowing(scene: &Scene, geometry: &Geometry) -> Result<Vec<Lamp>> {
+        let mut lamps = Vec::new();
+        for (&material, emission) in &scene.emissions {
+            let name = &scene.materials[material as usize].name;
+            for back in [false, true] {
+                if back && !emission.both_sides {
+                    continue;
+                }
+                let Some(faces) = Faces::new(scene, geometry, material, back) else {
+                    continue;
+                };
+                let (position, radius) = faces.ball();
+                let intensity = DVec3::splat(faces.candela);
+                check(name, position, intensity)?;
+                lamps.push(Lamp {
+                    name: name.clone(),
+                    position,
+                    pose: Pose::new(DVec3::NEG_Y, None)?,
+                    intensity,
+                    distribution: Distribution::Isotropic,
+                    form: LampForm::Faces { radius },
+                    housed: None,
+                    faces: Some(Arc::new(faces)),
+                });
+            }
+        }
+        Ok(lamps)
+    }
+
+    /// The greatest luminance of its faces [cd/m2], if it is a surface that shines: no surface gets more of its light than one would
+    /// that such a luminance surrounds.
+    pub fn glow(&self) -> Option<f64> {
+        self.faces.as_ref().map(|faces| faces.brightest)
     }
 
     /// Whether it gives any light at all.
@@ -167,7 +197,7 @@ impl Lamp {
 
     /// Luminous intensity of a spot of it along a direction away from it, of any length [cd, RGB].
     pub fn intensity(&self, spot: &Spot, direction: DVec3) -> DVec3 {
-        self.shape(spot, direction) * self.intensity
+        self.shape(spot, direction) * self.intensity * spot.tint
     }
 
     /// The same for a lamp of 1 cd.
@@ -189,10 +219,11 @@ impl Lamp {
     }
 
     /// Luminous flux [lm, luminance]: of a rectangle of even intensity that of the side on which it shines; of another all that its
-    /// distribution says.
+    /// distribution says; of faces pi times the intensity along their normals.
     pub fn flux(&self) -> f64 {
         let part = match (self.form, &self.distribution) {
             (LampForm::Rectangle { .. }, Distribution::Isotropic) => 0.5,
+            (LampForm::Faces { .. }, _) => 0.25,
             _ => 1.0,
         };
         part * luminance(self.intensity) * self.distribution.flux()
@@ -201,7 +232,7 @@ impl Lamp {
     /// The middle of it [m].
     pub fn middle(&self) -> DVec3 {
         match self.form {
-            LampForm::Point | LampForm::Sphere { .. } => self.position,
+            LampForm::Point | LampForm::Sphere { .. } | LampForm::Faces { .. } => self.position,
             LampForm::Line { to } => 0.5 * (self.position + to),
             LampForm::Rectangle { edges } => self.position + 0.5 * (edges[0] + edges[1]),
         }
@@ -211,7 +242,7 @@ impl Lamp {
     pub fn extent(&self) -> f64 {
         match self.form {
             LampForm::Point => 0.0,
-            LampForm::Sphere { radius } => radius,
+            LampForm::Sphere { radius } | LampForm::Faces { radius } => radius,
             LampForm::Line { to } => 0.5 * self.position.distance(to),
             LampForm::Rectangle { edges: [a, b] } => 0.5 * (a + b).length().max((a - b).length()),
         }
@@ -222,7 +253,7 @@ impl Lamp {
         match self.form {
             LampForm::Point => 0,
             LampForm::Line { .. } => 1,
-            LampForm::Rectangle { .. } | LampForm::Sphere { .. } => 2,
+            LampForm::Rectangle { .. } | LampForm::Sphere { .. } | LampForm::Faces { .. } => 2,
         }
     }
 
@@ -237,17 +268,20 @@ impl Lamp {
             _ => size * size,
         };
         match self.form {
-            LampForm::Point => Spot {
+            // Faces have parts of their own: see `faces`.
+            LampForm::Point | LampForm::Faces { .. } => Spot {
                 position: self.position,
                 side: None,
                 share,
-                radius: 0.0,
+                radius: self.extent(),
+                tint: DVec3::ONE,
             },
             LampForm::Line { to } => Spot {
                 position: self.position.lerp(to, at[0]),
                 side: None,
                 share,
                 radius: 0.5 * size * self.position.distance(to),
+                tint: DVec3::ONE,
             },
             LampForm::Rectangle { edges: [a, b] } => {
                 let normal = a.cross(b).normalize_or_zero();
@@ -257,6 +291,7 @@ impl Lamp {
                     side: Some((side, false)),
                     share,
                     radius: 0.5 * size * a.cross(b).length().sqrt(),
+                    tint: DVec3::ONE,
                 }
             }
             LampForm::Sphere { radius } => {
@@ -268,6 +303,7 @@ impl Lamp {
                         side: None,
                         share,
                         radius,
+                        tint: DVec3::ONE,
                     };
                 };
                 // The cone of directions from the place to the sphere, and the point of the sphere that each meets first.
@@ -289,6 +325,7 @@ impl Lamp {
                     side: None,
                     share: square * solid / (PI * radius * radius),
                     radius: 0.0,
+                    tint: DVec3::ONE,
                 }
             }
         }
@@ -296,6 +333,9 @@ impl Lamp {
 
     /// Places that stand for the whole lamp wherever it is seen from, `count` each way: a beam each.
     pub fn spots(&self, count: u32) -> Vec<Spot> {
+        if let Some(faces) = &self.faces {
+            return faces.beams(count);
+        }
         if let LampForm::Sphere { radius } = self.form {
             // On the sphere itself, each as bright as the cosine has it: 4 cos(theta) of a part of the sphere adds up to 1 on each side.
             let count = 2 * count * count;
@@ -309,6 +349,7 @@ impl Lamp {
                     side: Some((side, true)),
                     share: 4.0 / f64::from(count),
                     radius: 2.0 * radius / f64::from(count).sqrt(),
+                    tint: DVec3::ONE,
                 }
             };
             return match count {
@@ -332,6 +373,13 @@ impl Lamp {
                 )
             })
             .collect()
+    }
+
+    /// Places that stand for the lamp on a ray from its origin to a distance [m], if it is a surface that shines.
+    pub fn faces_along(&self, ray: &Ray, end: f64, count: u32, found: impl FnMut(Spot)) {
+        if let Some(faces) = &self.faces {
+            faces.along(ray, end, count, found);
+        }
     }
 
     /// Illuminance of a spot on a plane that faces it, if nothing stands in the way [lx, RGB].
@@ -492,7 +540,7 @@ fn check_form(name: &str, form: LampForm) -> Result<()> {
         LampForm::Point => true,
         LampForm::Line { to } => super::checks::near(to),
         LampForm::Rectangle { edges } => edges.into_iter().all(super::checks::near),
-        LampForm::Sphere { radius } => radius > 0.0 && radius <= 1e6,
+        LampForm::Sphere { radius } | LampForm::Faces { radius } => radius > 0.0 && radius <= 1e6,
     };
     match is_good {
         true => Ok(()),

@@ -5,12 +5,14 @@
 mod assemble;
 mod brightest;
 mod checks;
+mod faces;
 mod inputs;
 pub mod lamps;
 mod lines;
 mod penumbra;
 pub mod received;
 mod request;
+mod spot;
 mod sun;
 mod unused;
 mod view;
@@ -63,6 +65,8 @@ pub struct Conditions {
     pub lamps: Arc<[Lamp]>,
     /// Where they shine on surfaces.
     lit: Arc<Lit>,
+    /// All of them, and those surfaces that shine too faintly to be seen now.
+    all_lamps: Arc<[Lamp]>,
     /// What was left out, is doubtful or approximate.
     pub warnings: Vec<Warning>,
     /// What was asked for, so that it can be asked of another moment.
@@ -87,6 +91,13 @@ pub fn toward(azimuth: f64, elevation: f64, north: f64) -> DVec3 {
     DVec3::new(cos_e * sin_a, sin_e, -cos_e * cos_a)
 }
 
+/// A typical luminance under sun and sky alone [cd/m2]: open ground of albedo 0.2.
+fn typical_luminance(sun: &Sun, sky: Option<&Sky>) -> f64 {
+    let by_sun = sun.illuminance_lux() * sun.toward.y.max(0.0);
+    let by_sky = sky.map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
+    0.2 / PI * (by_sun + by_sky)
+}
+
 impl Conditions {
     /// Whether anything gives light: sky, sun or lamps.
     pub fn is_lit(&self) -> bool {
@@ -102,17 +113,19 @@ impl Conditions {
         self.lamps.iter().map(of).sum()
     }
 
+    /// No surface and no air gets brighter by light straight from lamps [cd/m2]: what surfaces shine with bounds what they make of others,
+    /// near a lamp there is no bound, and without lamps there is no light.
+    pub fn greatest_lamp_luminance(&self) -> f64 {
+        let of = |lamp: &Lamp| lamp.glow().unwrap_or(f64::INFINITY);
+        self.lamps.iter().map(of).sum()
+    }
+
     /// A typical luminance of the picture [cd/m2]: open ground of albedo 0.2. An estimate to compare contributions with.
     pub fn typical_luminance(&self) -> f64 {
-        let sun = self.sun.illuminance_lux() * self.sun.toward.y.max(0.0);
-        let sky = self
-            .sky
-            .as_ref()
-            .map_or(0.0, |sky| luminance(sky.horizontal_illuminance()));
         // A lamp beside the eye says nothing of what sun and sky light.
-        match sun + sky {
+        match typical_luminance(&self.sun, self.sky.as_deref()) {
             0.0 => 0.2 / PI * self.typical_lamp_light(),
-            natural => 0.2 / PI * natural,
+            natural => natural,
         }
     }
 

@@ -3,9 +3,13 @@
 //! A point is one shadow ray in f64. A line, a rectangle or a sphere is divided: cells are halved each way until what they differ by
 //! is below a share of the lamp's light, so that penumbrae have no noise and no steps wider than that share.
 //!
+//! Surfaces that shine are divided too, from clusters of triangles down to parts of one (see [`super::faces`]): first until each is
+//! small as seen from the place, then where shadows fall between them.
+//!
 //! Lamps are gone through by the light that they would give if nothing stood in the way; the last, which together could add less than
 //! a share of what the others do, are left out, most of them in groups ([`super::volumes`]) that are never looked into.
 
+use super::faces::{Faces, Part};
 use super::lamps::{Lamp, Spot};
 use super::volumes::{self, Bounds, Queue, Volume, Volumes};
 use super::{Conditions, GroundPlane};
@@ -147,6 +151,9 @@ fn at_most(lamp: &Lamp, place: &Place) -> f64 {
 
 /// What a place receives from one lamp [lx, RGB].
 fn of_lamp(conditions: &Conditions, lamp: &Lamp, place: &Place, care: &Care) -> DVec3 {
+    if let Some(faces) = &lamp.faces {
+        return of_faces(conditions, lamp, faces, place, care);
+    }
     let of_part = |at: [f64; 2], size: f64| {
         let spot = lamp.spot(at, size, place.position);
         of_spot(conditions, lamp, &spot, place)
@@ -206,6 +213,95 @@ const NODE: f64 = 0.577_350_269_189_625_8;
 
 /// No part of a lamp is smaller than this, as a share of it each way.
 const FINEST: f64 = 1.0 / 512.0;
+
+/// What a place receives from surfaces that shine [lx, RGB].
+fn of_faces(
+    conditions: &Conditions,
+    lamp: &Lamp,
+    faces: &Faces,
+    place: &Place,
+    care: &Care,
+) -> DVec3 {
+    // By one place the error of a cluster is about the square of its size over its distance, by three that of a triangle its cube.
+    let reach = |part: &Part| match part {
+        Part::Cluster(_) => care.share.sqrt().min(0.4),
+        Part::Piece { .. } => care.share.cbrt().min(0.4),
+    };
+    let same_way = 1.0 - 0.9 * care.share.sqrt();
+    let is_dark = |part: &Part| {
+        faces.is_behind(part, place.position, place.facet) || faces.looks_away(part, place.position)
+    };
+    // What a spot would give if nothing stood in the way.
+    let bare = |spot: &Spot| {
+        let toward = (spot.position - place.position).normalize_or_zero();
+        place.cosine(toward) * lamp.illuminance(spot, place.position)
+    };
+    let bare_part = |part: &Part| {
+        let mut sum = 0.0;
+        faces.spots(part, |spot| sum += luminance(bare(&spot)));
+        sum
+    };
+    let mut open = vec![faces.whole()];
+    let mut small = Vec::new();
+    let mut scale = 0.0;
+    while let Some(part) = open.pop() {
+        if is_dark(&part) {
+            continue;
+        }
+        let is_small = faces.is_small(&part, place.position, reach(&part), same_way);
+        if is_small || is_finest(&part) {
+            let light = bare_part(&part);
+            scale += light;
+            small.push((part, light));
+        } else {
+            faces.divided(&part, |part| open.push(part));
+        }
+    }
+    let largest = (1.0 + 1e-9) * scale / f64::from(care.cells * care.cells);
+    let mut sum = DVec3::ZERO;
+    while let Some((part, light)) = small.pop() {
+        if light == 0.0 {
+            continue;
+        }
+        let divide = |small: &mut Vec<(Part, f64)>| {
+            faces.divided(&part, |part| small.push((part, bare_part(&part))));
+        };
+        if light > largest && !is_finest(&part) {
+            divide(&mut small);
+            continue;
+        }
+        // The shadow on what adds less than the share is that on one place of it.
+        let one = light <= care.share * scale;
+        let (mut found, mut through) = (DVec3::ZERO, Vec::with_capacity(4));
+        faces.spots(&part, |spot| {
+            let bare = bare(&spot);
+            if bare == DVec3::ZERO {
+                return;
+            }
+            match through.first() {
+                Some(share) if one => found += *share * bare,
+                _ => {
+                    let light = of_spot(conditions, lamp, &spot, place);
+                    through.push(light / bare.max(DVec3::splat(f64::MIN_POSITIVE)));
+                    found += light;
+                }
+            }
+        });
+        let shares = || through.iter().map(|share| share.max_element());
+        let (most, least) = (shares().fold(0.0, f64::max), shares().fold(1.0, f64::min));
+        if (most - least) * light > care.share * scale && !is_finest(&part) {
+            divide(&mut small);
+        } else {
+            sum += found;
+        }
+    }
+    sum
+}
+
+/// Whether a part is divided no further.
+fn is_finest(part: &Part) -> bool {
+    matches!(part, Part::Piece { share, .. } if *share < FINEST * FINEST)
+}
 
 /// What a place receives from one spot of a lamp [lx, RGB].
 fn of_spot(conditions: &Conditions, lamp: &Lamp, spot: &Spot, place: &Place) -> DVec3 {

@@ -4,7 +4,7 @@
 //! the ray that a lamp's cone and side leave is found first: a ray that meets none costs nothing more. On it the fan between lamp and
 //! ray gives the exact lit runs ([`crate::scene::curtain`]), and each is integrated in the angle that the lamp sees
 //! ([`crate::medium::LocalScattering`]), in which nothing peaks however near the lamp is. A lamp with an extent is as many points as `points`
-//! says.
+//! says; a surface that shines is parts no larger than 1 / `points` of how far they are from the ray.
 //!
 //! Lamps are gone through by the most that they could add ([`crate::conditions::volumes`]): a ray that misses all that they may shine on pays
 //! nothing, and the last, which together could add less than a share of what the others do, or of what the ray in the middle of the
@@ -102,6 +102,7 @@ pub const AIR_LAMPS: Effect = Effect {
         let spots: Vec<(&Lamp, Spot)> = conditions
             .lamps
             .iter()
+            .filter(|lamp| lamp.glow().is_none())
             .flat_map(|lamp| lamp.spots(points).into_iter().map(move |spot| (lamp, spot)))
             .collect();
         let lamps = AirLamps::new(conditions, spots, settings)?;
@@ -164,13 +165,17 @@ fn decide(conditions: &Conditions) -> Decision {
     }
     let strongest = media.iter().map(|m| m.phase.peak()).fold(0.0, f64::max);
     let lit = -(-conditions.greatest_optical_depth()).exp_m1();
+    let contribution = match conditions.greatest_lamp_luminance() {
+        bound if bound.is_finite() => Contribution::Bound(lit * bound),
+        _ => Contribution::Estimate(strongest * lit * conditions.typical_lamp_light()),
+    };
     Decision::run(
         format!(
             "{} in {}",
             counted(conditions.lamps.len()),
             conditions.media_phrase()
         ),
-        Contribution::Estimate(strongest * lit * conditions.typical_lamp_light()),
+        contribution,
     )
 }
 
@@ -185,6 +190,9 @@ struct AirLamps<'c> {
     conditions: &'c Conditions,
     spots: Vec<(&'c Lamp, Spot)>,
     volumes: Volumes,
+    /// Lamps that are surfaces of the scene, of which a ray has as many `points` each way as they are wide from there.
+    shining: Vec<&'c Lamp>,
+    points: u32,
     care: Care,
     /// What virtual planes hold, where they integrate.
     planes: Option<Planes<'c>>,
@@ -228,6 +236,12 @@ impl<'c> AirLamps<'c> {
             rows,
             spots,
             volumes: Volumes::new(&volumes),
+            shining: conditions
+                .lamps
+                .iter()
+                .filter(|lamp| lamp.glow().is_some())
+                .collect(),
+            points: settings.get("points") as u32,
             planes,
             care: Care {
                 integrator,
@@ -278,21 +292,52 @@ impl<'c> AirLamps<'c> {
             },
             |met| {
                 pairs += 1;
-                sum += met.lamp.intensity * self.share(&met, ray, shades);
+                sum += met.light() * self.share(&met, ray, shades);
                 (self.left_out * luminance(sum)).max(self.negligible)
             },
         );
+        // Of surfaces that shine each ray has spots of its own.
+        let mut parts = Vec::new();
+        for lamp in &self.shining {
+            lamp.faces_along(ray, end, self.points, |spot| {
+                if let Some(met) = Met::of(conditions, (usize::MAX, lamp, spot), ray, end) {
+                    parts.push((most.of_spot(lamp, &spot, met.span), met));
+                }
+            });
+        }
+        parts.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let rests = rests(parts.iter().map(|(most, _)| *most));
+        for ((_, met), rest) in parts.iter().zip(rests) {
+            if rest <= (self.left_out * luminance(sum)).max(self.negligible) {
+                break;
+            }
+            pairs += 1;
+            sum += met.light() * self.share(met, ray, shades);
+        }
         (sum, pairs)
     }
+}
+
+/// What each of some bounds and all behind it add up to, from the weakest on: so small ones keep their digits beside large ones.
+fn rests(bounds: impl DoubleEndedIterator<Item = f64>) -> Vec<f64> {
+    let add = |sum: &mut f64, bound: f64| {
+        *sum += bound;
+        Some(*sum)
+    };
+    let mut rests: Vec<f64> = bounds.rev().scan(0.0, add).collect();
+    rests.reverse();
+    rests
 }
 
 impl AirLamps<'_> {
     /// What a spot adds for each candela of its lamp [1/(m2 sr)].
     fn share(&self, met: &Met<'_>, ray: &Ray, shades: &mut Vec<Shade>) -> DVec3 {
-        if let Some(planes) = &self.planes {
+        // Surfaces that shine have neither planes nor rows.
+        let has_number = met.number < self.spots.len();
+        if let Some(planes) = self.planes.as_ref().filter(|_| has_number) {
             return planes.light(met.number, &met.spot, ray, met.span);
         }
-        let of_row = self.rows.as_ref().and_then(|rows| {
+        let of_row = self.rows.as_ref().filter(|_| has_number).and_then(|rows| {
             shades.resize_with(1, Shade::default);
             rows.lit_runs(met, ray, &mut shades[0])
         });

@@ -2,9 +2,9 @@
 
 use super::definition::Effect;
 use super::{
-    air_lamps, air_shadow, air_sky, compose, lamp_faces, radiosity, shadow, shafts_epipolar,
-    shafts_march, shafts_planes, shafts_prefiltered, shafts_rectified, sky_dome, sun_disc,
-    surface_lamps, surface_sun, transmittance, visibility,
+    air_lamps, air_shadow, air_sky, compose, emission, lamp_faces, radiosity, shadow,
+    shafts_epipolar, shafts_march, shafts_planes, shafts_prefiltered, shafts_rectified, sky_dome,
+    sun_disc, surface_lamps, surface_sun, transmittance, visibility,
 };
 
 /// Every effect, in the order in which they run: each after those whose fields it reads.
@@ -16,6 +16,7 @@ pub const ALL: &[&Effect] = &[
     &shadow::SHADOW,
     &surface_sun::SURFACE_SUN,
     &surface_lamps::SURFACE_LAMPS,
+    &emission::EMISSION,
     &radiosity::RADIOSITY,
     &shafts_rectified::SHAFTS_RECTIFIED,
     &shafts_epipolar::SHAFTS_EPIPOLAR,

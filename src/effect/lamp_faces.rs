@@ -1,4 +1,4 @@
-//! Lamps that the eye sees: rectangles and spheres. Points and lines have no width.
+//! Lamps that the eye sees: rectangles and spheres. Points and lines have no width; surfaces that shine are [`super::emission`]'s.
 //!
 //! A sphere of radius r is as bright all over: L = I(direction) / (pi r^2). A rectangle of area A has L = I(direction) / (A cos(theta)) on the
 //! side on which it shines; cos(theta) counts as no less than a thousandth, at which it is seen edge on. Air takes of it what lies between
@@ -57,7 +57,7 @@ pub const LAMP_FACES: Effect = Effect {
 fn brightest(lamp: &Lamp) -> Option<f64> {
     let intensity = lamp.greatest_intensity();
     match lamp.form {
-        LampForm::Point | LampForm::Line { .. } => None,
+        LampForm::Point | LampForm::Line { .. } | LampForm::Faces { .. } => None,
         LampForm::Sphere { radius } => Some(intensity / (PI * radius * radius)),
         LampForm::Rectangle { edges: [a, b] } => Some(intensity / (EDGE_ON * a.cross(b).length())),
     }
@@ -70,7 +70,7 @@ fn face(lamp: &Lamp, ray: &Ray) -> Option<(f64, DVec3)> {
         return None;
     }
     match lamp.form {
-        LampForm::Point | LampForm::Line { .. } => None,
+        LampForm::Point | LampForm::Line { .. } | LampForm::Faces { .. } => None,
         LampForm::Sphere { radius } => {
             let foot = (lamp.position - ray.origin).dot(ray.direction);
             let inside = radius * radius - ray.at(foot).distance_squared(lamp.position);

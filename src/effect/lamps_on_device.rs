@@ -50,6 +50,9 @@ pub fn fits_device(conditions: &Conditions, in_air: bool) -> Result<(), &'static
     if in_air && geometry.has_holes() {
         return Err("surfaces have holes");
     }
+    if conditions.lamps.iter().any(|lamp| lamp.glow().is_some()) {
+        return Err("surfaces shine");
+    }
     let names = || conditions.scene.materials.iter().map(|m| &m.name);
     let is_twice = |name: &str| names().filter(|other| *other == name).count() > 1;
     let ignored = |lamp: &Lamp| lamp.ignored().is_some_and(is_twice);
@@ -257,7 +260,8 @@ fn of_lamp(lamp: &Lamp, eye: DVec3, table: usize, ignored: usize) -> [[f32; 4]; 
     // Where all directions are inside, rounded angles are too.
     let widest = if cone < PI { cone } else { 4.0 };
     let (form, edges, size) = match lamp.form {
-        LampForm::Point => (POINT, [DVec3::ZERO; 2], 0.0),
+        // Faces stay with the reference ([`fits_device`]).
+        LampForm::Point | LampForm::Faces { .. } => (POINT, [DVec3::ZERO; 2], 0.0),
         LampForm::Line { to } => {
             let edge = to - lamp.position;
             (LINE, [edge, DVec3::ZERO], edge.length())

@@ -149,6 +149,7 @@ mod all;
 mod beams;
 pub mod compose;
 mod definition;
+pub mod emission;
 mod fields;
 mod kept;
 pub mod lamp_faces;

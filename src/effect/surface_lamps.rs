@@ -43,9 +43,13 @@ pub const SURFACE_LAMPS: Effect = Effect {
             Receivers::Points(_) => 1.0,
             Receivers::Pixels => conditions.greatest_albedo() / PI,
         };
+        let contribution = match PI * share * conditions.greatest_lamp_luminance() {
+            bound if bound.is_finite() => Contribution::Bound(bound),
+            _ => Contribution::Estimate(share * conditions.typical_lamp_light()),
+        };
         Decision::run(
             format!("{} lit", counted(conditions.lamps.len())),
-            Contribution::Estimate(share * conditions.typical_lamp_light()),
+            contribution,
         )
     },
     reference: |conditions, settings, _| {

@@ -20,8 +20,12 @@ const SPOTS: [usize; 2] = [16, 128];
 /// What differs by more of the mean, or of the brightest tile, is not alike [1].
 const ALIKE: f64 = 0.05;
 
-/// The level of tiles that is looked at first.
-const FIRST: u32 = 2;
+/// Surfaces that shine have no narrow beams: where they alone give light, so many points are enough if they differ by less than this
+/// share of the mean.
+const SMOOTH: (usize, f64) = (4, 0.01);
+
+/// The level of tiles that is looked at first; that where surfaces that shine alone give light, which have no narrow beams.
+const FIRST: [u32; 2] = [2, 1];
 
 /// Shadow rays to all of a patch's finest tiles where light is uneven, and to each of them at most.
 const EDGE: [usize; 2] = [512, 16];
@@ -43,7 +47,7 @@ pub(super) fn lamps_on(transport: &Transport, conditions: &Conditions, patch: us
             },
             alike: ALIKE,
             most: None,
-            level: FIRST,
+            level: FIRST[usize::from(are_smooth(conditions))],
             edge: EDGE,
             watched: watched(conditions, face, part),
         };
@@ -115,17 +119,31 @@ fn watched(conditions: &Conditions, face: &Face, part: &Part) -> Vec<Watched> {
 fn by_points(transport: &Transport, conditions: &Conditions, patch: usize) -> DVec3 {
     let mut of = at_points(transport, conditions, patch);
     let [few, many] = SPOTS;
-    let found: Vec<DVec3> = (0..few).map(&mut of).collect();
-    let sum: DVec3 = found.iter().sum();
-    let mean = sum / few as f64;
-    let off = |v: &DVec3| (*v - mean).abs().max_element();
-    let most = found.iter().map(off).fold(0.0, f64::max);
-    // A narrow beam may fall between the first.
-    let is_dark = mean == DVec3::ZERO;
-    if !is_dark && most <= ALIKE * mean.max_element() {
+    let (least, smooth) = SMOOTH;
+    let mut found: Vec<DVec3> = (0..least).map(&mut of).collect();
+    if are_smooth(conditions)
+        && let Some(mean) = alike(&found, smooth)
+    {
         return mean;
     }
-    (sum + (few..many).map(of).sum::<DVec3>()) / many as f64
+    found.extend((least..few).map(&mut of));
+    if let Some(mean) = alike(&found, ALIKE) {
+        return mean;
+    }
+    (found.iter().sum::<DVec3>() + (few..many).map(of).sum::<DVec3>()) / many as f64
+}
+
+/// Whether surfaces that shine alone give light.
+fn are_smooth(conditions: &Conditions) -> bool {
+    conditions.lamps.iter().all(|lamp| lamp.glow().is_some())
+}
+
+/// The mean of values that differ from it by no more than a share of it; of dark ones none, between which a narrow beam may fall.
+fn alike(found: &[DVec3], share: f64) -> Option<DVec3> {
+    let mean = found.iter().sum::<DVec3>() / found.len() as f64;
+    let off = |v: &DVec3| (*v - mean).abs().max_element();
+    let most = found.iter().map(off).fold(0.0, f64::max);
+    (mean != DVec3::ZERO && most <= share * mean.max_element()).then_some(mean)
 }
 
 /// What the points of a patch receive, by number [lx, RGB].

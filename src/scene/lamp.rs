@@ -1,6 +1,7 @@
 //! Lamps of a scene file: the table `[[light]]`, and what is read from it.
 
 use super::NamedNode;
+use super::files::{SceneFiles, file_of};
 use crate::error::{Error, Result};
 use crate::photometry::{self, Distribution, Tilt};
 use crate::units::DEG;
@@ -49,6 +50,11 @@ pub enum LampForm {
     /// A sphere around the lamp's position.
     Sphere {
         /// Its radius [m].
+        radius: f64,
+    },
+    /// Surfaces of the scene that shine, within a ball around the lamp's position: made of materials, not written in a file.
+    Faces {
+        /// The ball's radius [m].
         radius: f64,
     },
 }
@@ -173,6 +179,7 @@ impl LightTable {
         self,
         index: usize,
         scene_file: &Path,
+        within: Option<SceneFiles>,
         nodes: &[NamedNode],
         wrong: &dyn Fn(&str, String, &str) -> Error,
         warnings: &mut Vec<Warning>,
@@ -182,7 +189,7 @@ impl LightTable {
         let is_file = matches!(self.distribution, Some(DistributionTable::File { .. }));
         let (distribution, tilt) = match self.distribution {
             None => (Distribution::Isotropic, None),
-            Some(table) => table.read(scene_file, wrong, warnings)?,
+            Some(table) => table.read(scene_file, within, wrong, warnings)?,
         };
         // A lamp that burns in another position than it was measured in gives less.
         let burning = |toward: DVec3| {
@@ -359,6 +366,7 @@ impl DistributionTable {
     fn read(
         self,
         scene_file: &Path,
+        within: Option<SceneFiles>,
         wrong: &dyn Fn(&str, String, &str) -> Error,
         warnings: &mut Vec<Warning>,
     ) -> Result<(Distribution, Option<Tilt>)> {
@@ -397,8 +405,11 @@ impl DistributionTable {
                 sharpness,
             },
             DistributionTable::File { path, lamp_set } => {
-                let path = scene_file.with_file_name(path);
-                let read = photometry::read(&path, lamp_set.unwrap_or(1));
+                let lamp_set = lamp_set.unwrap_or(1);
+                let read = match within.and_then(|files| file_of(files, &path)) {
+                    Some(bytes) => photometry::from_bytes(Path::new(&path), bytes, lamp_set),
+                    None => photometry::read(&scene_file.with_file_name(path), lamp_set),
+                };
                 let (photometry, said) = read.map_err(|e| match e {
                     Error::File { path, source, .. } => wrong(
                         "distribution.path",

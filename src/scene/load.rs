@@ -7,16 +7,6 @@ use crate::file;
 use glam::DVec3;
 use std::path::Path;
 
-/// The scenes that are compiled into the library: name, TOML, GLB. The first is what is pictured without a scene.
-const EMBEDDED: [(&str, &str, &[u8]); 1] = [(
-    "nave",
-    include_str!("../../data/nave/nave.toml"),
-    include_bytes!("../../data/nave/nave.glb"),
-)];
-
-/// Names that [`Scene::builtin`] knows.
-pub const BUILTIN: [&str; 1] = ["nave"];
-
 /// Reads a scene: TOML, glTF, GLB or OBJ.
 ///
 /// The extension tells the kind; glTF, GLB and files without a known extension are told apart by content. Files that
@@ -64,7 +54,7 @@ fn placed(path: &Path, bytes: &[u8], asked: Placement) -> Result<Scene> {
                 )
             })?;
             let folder = path.parent().unwrap_or(Path::new(""));
-            toml::load(path, text, asked, |mesh| {
+            toml::load(path, text, asked, None, |mesh| {
                 let mesh = folder.join(mesh);
                 let bytes = file::read(&mesh, file::LARGEST)?;
                 load_mesh(&mesh, &bytes)
@@ -85,31 +75,6 @@ fn placed(path: &Path, bytes: &[u8], asked: Placement) -> Result<Scene> {
         .to_string_lossy()
         .into_owned();
     Ok(scene)
-}
-
-impl Scene {
-    /// A scene that is compiled into the library, by one of the names in [`BUILTIN`].
-    ///
-    /// # Errors
-    /// [`Error::Input`] for another name.
-    pub fn builtin(name: &str) -> Result<Scene> {
-        let (name, text, glb) = EMBEDDED
-            .into_iter()
-            .find(|(known, ..)| *known == name)
-            .ok_or_else(|| {
-                Error::input(
-                    format!("built-in scene `{name}`"),
-                    "there is none of that name",
-                    format!("take one of: {}", BUILTIN.join(", ")),
-                )
-            })?;
-        let path = Path::new(name).with_extension("toml");
-        let mut scene = toml::load(&path, text, Placement::default(), |mesh| {
-            gltf::load(Path::new(mesh), glb)
-        })?;
-        scene.name = name.to_owned();
-        Ok(scene)
-    }
 }
 
 /// How a scene file is written.

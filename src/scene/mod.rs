@@ -5,14 +5,17 @@
 
 mod assembly;
 mod base_color;
+mod builtin;
 pub mod camera;
 mod check;
 pub mod curtain;
 pub mod cut_out;
 pub mod disc;
 pub mod edges;
+pub mod emission;
 pub mod ends;
 mod fan;
+mod files;
 mod filling;
 pub mod framing;
 pub mod geometry;
@@ -39,11 +42,15 @@ mod wide;
 use crate::medium::{ClearAir, Medium};
 use crate::warning::Warning;
 use glam::{DAffine3, DVec2, DVec3, DVec4};
+use std::collections::BTreeMap;
 
+pub use builtin::{BUILTIN, builtin_files};
 pub use camera::{Camera, Projection, Ray};
+pub use emission::Emission;
+pub use files::SceneFiles;
 pub use geometry::{Geometry, Hit};
 pub use lamp::{LampEntry, LampForm};
-pub use load::{BUILTIN, from_bytes, load, load_placed};
+pub use load::{from_bytes, load, load_placed};
 pub use placement::{Placement, Up};
 pub use toml::schema;
 
@@ -58,6 +65,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Pictures that materials refer to.
     pub textures: Vec<Texture>,
+    /// Materials that shine, by their index in [`Scene::materials`].
+    pub emissions: BTreeMap<u32, Emission>,
     /// Cameras of the file, in its order.
     pub cameras: Vec<NamedCamera>,
     /// Punctual lights of the mesh's file, kept as they stand.
@@ -292,10 +301,15 @@ pub struct PictureEntry {
 }
 
 impl Scene {
-    /// Whether it has lamps that take part: those of the scene file, and points and spots of the mesh's.
+    /// Whether it has lamps that take part: those of the scene file, points and spots of the mesh's, surfaces that shine.
     pub fn has_lamps(&self) -> bool {
         let is_lamp = |light: &PunctualLight| light.kind != PunctualKind::Directional;
-        !self.lamps.is_empty() || self.lights.iter().any(is_lamp)
+        let shines = || {
+            let mut triangles = self.mesh.triangles.iter();
+            triangles.any(|t| self.emissions.contains_key(&t.material))
+        };
+        let has_lamps = !self.lamps.is_empty() || self.lights.iter().any(is_lamp);
+        has_lamps || !self.emissions.is_empty() && shines()
     }
 }
 

@@ -1,9 +1,10 @@
 //! Materials of Wavefront MTL files.
 //!
-//! Of a material its diffuse colour and its opacity count: `Kd` (RGB or XYZ, linear) and `map_Kd` with `-s`, `-o` and
-//! `-clamp`; `d`, `Tr`, `map_d` and the alpha of `map_Kd`. Of the rest, what would change a picture is named in one
+//! Of a material its diffuse colour, its light and its opacity count: `Kd` (RGB or XYZ, linear) and `map_Kd` with `-s`, `-o`
+//! and `-clamp`; `Ke` in cd/m2; `d`, `Tr`, `map_d` and the alpha of `map_Kd`. Of the rest, what would change a picture is named in one
 //! warning. A line that cannot be read costs that line.
 
+use super::emission::MOST_LUMINANCE;
 use super::text::{Faults, Line, LinesOf, number, shortened, tally};
 use crate::colour::{Space, working_from_xyz};
 use crate::error::Result;
@@ -24,6 +25,8 @@ pub(super) struct Entry {
 pub(super) struct Look {
     /// Linear Rec. 709, 0 to 1.
     pub diffuse: Option<DVec3>,
+    /// `Ke`: luminance [cd/m2], linear Rec. 709.
+    pub emission: DVec3,
     /// 0 to 1.
     pub opacity: f64,
     pub diffuse_map: Option<Map>,
@@ -74,9 +77,8 @@ pub(super) struct Remarks {
 const WITHOUT_EFFECT: [&str; 5] = ["ka", "ns", "ni", "map_ns", "sharpness"];
 
 /// Keys that have an effect unless all their numbers are these.
-const NEUTRAL: [(&str, f64); 9] = [
+const NEUTRAL: [(&str, f64); 8] = [
     ("ks", 0.0),
-    ("ke", 0.0),
     ("tf", 1.0),
     ("pm", 0.0),
     ("ps", 0.0),
@@ -219,6 +221,7 @@ impl Reading {
                 name,
                 look: Look {
                     diffuse: None,
+                    emission: DVec3::ZERO,
                     opacity: 1.0,
                     diffuse_map: None,
                     opacity_map: None,
@@ -274,6 +277,23 @@ impl Reading {
                 if before.is_some_and(|before| before != inside) {
                     fault("Kd is there again, and not the same; this one counts");
                 }
+            }
+            "ke" if first.eq_ignore_ascii_case(b"spectral")
+                || first.eq_ignore_ascii_case(b"xyz") =>
+            {
+                self.leave_out("Ke spectral or xyz");
+            }
+            "ke" => {
+                let emission = match numbers().as_deref() {
+                    Some(&[all]) => DVec3::splat(all),
+                    Some(&[r, g, b, ..]) => DVec3::new(r, g, b),
+                    _ => return fault("Ke needs one number or three; left out"),
+                };
+                let inside = emission.clamp(DVec3::ZERO, DVec3::splat(MOST_LUMINANCE));
+                if emission != inside {
+                    fault("Ke is outside 0 to 1e9 cd/m2; the nearest inside is taken");
+                }
+                self.entry.look.emission = inside;
             }
             "d" | "tr" => self.opacity(key, line, fault),
             "map_kd" => {

@@ -11,7 +11,7 @@ use super::named::{self, Beside, MOST};
 use super::obj_model::{Face, Model, NONE, Run, no_memory};
 use super::polygon::triangulate;
 use super::text::{LinesOf, shortened, shown_path, tally};
-use super::{AlphaMode, Material, Scene};
+use super::{AlphaMode, Emission, Material, Scene};
 use crate::error::{Error, Result};
 use crate::warning::Warning;
 use glam::{DAffine3, DVec2, DVec3};
@@ -51,6 +51,15 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     let mut builder = Builder::new(&file, bytes, &mut model, &mut scene.materials, looks);
     builder.faces(&uses)?;
     let (assembly, untextured) = (builder.assembly, builder.untextured);
+    for (i, (entry, look)) in shelf.entries.iter().zip(&builder.looks).enumerate() {
+        if entry.look.emission != DVec3::ZERO {
+            let emission = Emission::plain(entry.look.emission);
+            let shown = look.plain.into_iter().chain([i as u32]);
+            scene
+                .emissions
+                .extend(shown.map(|index| (index, emission.clone())));
+        }
+    }
 
     let mesh = assembly.finish(&file, &mut scene.warnings);
     scene.mesh = mesh.map_err(|error| match model.faults.earliest() {

@@ -4,6 +4,7 @@
 //! checked against that schema ([`super::check`]), and then read into them.
 
 use super::camera::{Camera, Projection};
+use super::files::SceneFiles;
 use super::filling::{Filling, MediumTable, Wrong};
 use super::lamp::LightTable;
 use super::placement::{self, Placement};
@@ -179,11 +180,13 @@ pub fn schema() -> serde_json::Value {
     schema
 }
 
-/// Reads `text`, the content of `path`; `load_mesh` reads the mesh that it names. What is `asked` wins over its keys.
+/// Reads `text`, the content of `path`; `load_mesh` reads the mesh that it names, and other files are those `within`, or beside
+/// `path`. What is `asked` wins over its keys.
 pub(super) fn load(
     path: &Path,
     text: &str,
     asked: Placement,
+    within: Option<SceneFiles>,
     load_mesh: impl FnOnce(&str) -> Result<Scene>,
 ) -> Result<Scene> {
     let checked = check::read(path, text, &schema())?;
@@ -285,7 +288,7 @@ pub(super) fn load(
         let wrong = |key: &str, problem: String, remedy: &str| {
             wrong(&format!("light[{i}].{key}"), problem, remedy)
         };
-        let lamps = light.read(i, path, &scene.nodes, &wrong, &mut scene.warnings)?;
+        let lamps = light.read(i, path, within, &scene.nodes, &wrong, &mut scene.warnings)?;
         scene.lamps.extend(lamps);
     }
     if let Some(picture) = file.picture {

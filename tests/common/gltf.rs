@@ -198,8 +198,8 @@ pub fn seen(scene: &Scene) -> String {
         .map(|t| (&t.pixels, t.width, t.wrap))
         .collect();
     format!(
-        "{mesh:?} {materials:?} {pictures:?} {:?} {:?}",
-        scene.cameras, scene.lights
+        "{mesh:?} {materials:?} {pictures:?} {:?} {:?} {:?}",
+        scene.cameras, scene.lights, scene.emissions
     )
 }
 

@@ -1,5 +1,6 @@
-//! Tasks of the project itself: `cargo xtask scene`, `cargo xtask same`, `cargo xtask test`.
+//! Tasks of the project itself: `cargo xtask pictures`, `cargo xtask scene`, `cargo xtask same`, `cargo xtask test`.
 
+mod pictures;
 mod same;
 mod scene;
 mod test;
@@ -10,15 +11,17 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
+  pictures [NAMES]   render the built-in scenes into the documentation, docs/scenes
   same BINARY        compare ten pictures of another build of `tyndall` with those of this one, under both backends: nave,
                      nave-epipolar, nave-prefiltered, nave-march, nave-planes, court, panorama, orthographic, peaks, sunward
-  scene              make the built-in scene, data/nave
+  scene              make the first of the built-in scenes, data/nave (`python data/scenes.py` makes the others)
   test [ARGUMENTS]   set up what the tests need and run all of them; ARGUMENTS go to `cargo test`
 ";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     match arguments.next().as_deref() {
+        Some("pictures") => pictures::run(arguments.collect()),
         Some("same") => same::run(arguments.collect()),
         Some("scene") => scene::run(),
         Some("test") => test::run(arguments.collect()),

@@ -2,6 +2,7 @@
 
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use glam::DVec3;
 use std::path::PathBuf;
 use tyndall::Result;
@@ -27,6 +28,9 @@ pub struct ViewArgs {
 pub struct SceneArgs {
     /// The scene: TOML, glTF, GLB or OBJ [default: one that is built in]
     pub scene: Option<PathBuf>,
+    /// One of the scenes that are built in; `tyndall scene` says what each is
+    #[arg(long = "scene", value_name = "NAME", value_parser = PossibleValuesParser::new(scene::BUILTIN), conflicts_with = "scene")]
+    pub builtin: Option<String>,
     /// Metres in a unit of the scene's mesh: 0.001 for millimetres; wins over the scene's own `scale`
     #[arg(long, value_name = "F", value_parser = positive, requires = "scene")]
     scale: Option<f64>,
@@ -166,7 +170,7 @@ impl SceneArgs {
                     up: self.up,
                 },
             )?,
-            None => Scene::builtin(scene::BUILTIN[0])?,
+            None => Scene::builtin(self.builtin.as_deref().unwrap_or(scene::BUILTIN[0]))?,
         };
         self.place_and_time(&mut scene);
         if let Some([azimuth_deg, elevation_deg]) = self.sun {

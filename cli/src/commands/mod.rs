@@ -10,6 +10,7 @@ pub mod doctor;
 pub mod photometry;
 pub mod plan;
 pub mod render;
+pub mod scene;
 pub mod schema;
 pub mod sky;
 pub mod study;

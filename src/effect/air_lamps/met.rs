@@ -5,10 +5,11 @@ use crate::conditions::Conditions;
 use crate::conditions::lamps::{Lamp, Spot};
 use crate::scene::Ray;
 use crate::scene::shade::{Run, Shade};
+use glam::DVec3;
 
 /// A spot of a lamp on whose light a ray may come.
 pub(super) struct Met<'a> {
-    /// Its number among all spots.
+    /// Its number among all spots; that of a part of a surface is greater than all.
     pub number: usize,
     /// Whose it is.
     pub lamp: &'a Lamp,
@@ -37,6 +38,11 @@ impl<'a> Met<'a> {
             span: on_its_side(conditions, &spot, ray, span)?,
             bends,
         })
+    }
+
+    /// What the spot shines with where its shape is 1 [cd, RGB].
+    pub fn light(&self) -> DVec3 {
+        self.lamp.intensity * self.spot.tint
     }
 
     /// The runs of the ray that its light reaches [m], and the share of it that does.

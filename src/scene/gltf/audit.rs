@@ -111,17 +111,23 @@ static PERSPECTIVE: Kind = kind(
 static ORTHOGRAPHIC: Kind = kind("orthographic", &[], &["ymag"], &["xmag", "znear", "zfar"]);
 // What a picture is says its content.
 static IMAGE: Kind = kind("image", &[], &["uri", "bufferView", "name"], &["mimeType"]);
-// Surfaces have two sides, whatever the file says.
+// Surfaces have two sides, whatever the file says; light of their own goes by doubleSided.
 static MATERIAL: Kind = kind(
     "material",
     &[
         ("pbrMetallicRoughness", &PBR),
         ("normalTexture", &OTHER_TEXTURE),
         ("occlusionTexture", &OTHER_TEXTURE),
-        ("emissiveTexture", &OTHER_TEXTURE),
+        ("emissiveTexture", &EMISSIVE_TEXTURE),
     ],
-    &["name", "alphaMode", "alphaCutoff", "emissiveFactor"],
-    &["doubleSided"],
+    &[
+        "name",
+        "alphaMode",
+        "alphaCutoff",
+        "emissiveFactor",
+        "doubleSided",
+    ],
+    &[],
 );
 static PBR: Kind = kind(
     "pbrMetallicRoughness",
@@ -133,6 +139,7 @@ static PBR: Kind = kind(
     &[],
 );
 static BASE_TEXTURE: Kind = kind("baseColorTexture", &[], &["index", "texCoord"], &[]);
+static EMISSIVE_TEXTURE: Kind = kind("emissiveTexture", &[], &["index", "texCoord"], &[]);
 // Textures that are left out as a whole.
 static OTHER_TEXTURE: Kind = kind(
     "texture",
@@ -247,8 +254,15 @@ fn extension(name: &str, kind: &Kind, notes: &mut Notes) {
     let read_here = match name {
         "EXT_mesh_gpu_instancing" | "KHR_node_visibility" => kind.name == "node",
         "KHR_lights_punctual" => matches!(kind.name, "node" | "file"),
-        "KHR_materials_pbrSpecularGlossiness" => kind.name == "material",
-        "KHR_texture_transform" => matches!(kind.name, "baseColorTexture" | "texture"),
+        "KHR_materials_pbrSpecularGlossiness" | "KHR_materials_emissive_strength" => {
+            kind.name == "material"
+        }
+        "KHR_texture_transform" => {
+            matches!(
+                kind.name,
+                "baseColorTexture" | "emissiveTexture" | "texture"
+            )
+        }
         // Stand-ins with a plain copy beside them, without which the reader of the object fails.
         "KHR_draco_mesh_compression" => kind.name == "primitive",
         "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
@@ -261,7 +275,7 @@ fn extension(name: &str, kind: &Kind, notes: &mut Notes) {
         return;
     }
     match kind.name {
-        "material" | "pbrMetallicRoughness" | "baseColorTexture" => {
+        "material" | "pbrMetallicRoughness" | "baseColorTexture" | "emissiveTexture" => {
             notes.of_material(extension::named(name))
         }
         _ => notes.leave_out(extension::named(name)),

@@ -46,8 +46,8 @@ json! {
     Buffer { uri: Option<String>, byte_length: usize, extensions: Map<String, Value> }
     MaterialEntry {
         name: Option<String>, pbr_metallic_roughness: Pbr, alpha_mode: Option<String>, alpha_cutoff: Option<f64>,
-        normal_texture: Option<Value>, occlusion_texture: Option<Value>, emissive_texture: Option<Value>,
-        emissive_factor: [f64; 3], extensions: Map<String, Value>,
+        normal_texture: Option<Value>, occlusion_texture: Option<Value>, emissive_texture: Option<TextureRef>,
+        emissive_factor: [f64; 3], double_sided: bool, extensions: Map<String, Value>,
     }
     Pbr {
         base_color_factor: Option<[f64; 4]>, base_color_texture: Option<TextureRef>, metallic_factor: Option<f64>,
@@ -58,6 +58,8 @@ json! {
         diffuse_factor: Option<[f64; 4]>, diffuse_texture: Option<TextureRef>, specular_factor: Option<[f64; 3]>,
         specular_glossiness_texture: Option<Value>,
     }
+    /// KHR_materials_emissive_strength.
+    EmissiveStrength { emissive_strength: Option<f64> }
     TextureRef { index: usize, tex_coord: u32, extensions: Map<String, Value> }
     TextureEntry { name: Option<String>, sampler: Option<usize>, source: Option<usize>, extensions: Map<String, Value> }
     ImageEntry { name: Option<String>, uri: Option<String>, buffer_view: Option<usize> }

@@ -26,12 +26,17 @@ const fn extension(name: &'static str, what: &'static str, role: Role) -> Extens
 }
 
 /// The extensions that are known one by one.
-const KNOWN: [Extension; 28] = [
+const KNOWN: [Extension; 29] = [
     extension("EXT_mesh_gpu_instancing", "mesh instancing", Role::Read),
     extension("KHR_lights_punctual", "lamps", Role::Read),
     extension(
         "KHR_materials_pbrSpecularGlossiness",
         "specular-glossiness",
+        Role::Read,
+    ),
+    extension(
+        "KHR_materials_emissive_strength",
+        "strength of emission",
         Role::Read,
     ),
     extension("KHR_mesh_quantization", "quantized vertices", Role::Read),

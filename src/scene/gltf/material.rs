@@ -1,14 +1,18 @@
-//! Materials of glTF: of each its base colour counts (factor, texture, alpha). What else it holds is named.
+//! Materials of glTF: of each its base colour counts (factor, texture, alpha), and the light that it gives. What else it holds is
+//! named.
 
 use super::container::Gltf;
-use super::document::{MaterialEntry, SpecularGlossiness, TextureRef, TextureTransform};
+use super::document::{
+    EmissiveStrength, MaterialEntry, SpecularGlossiness, TextureRef, TextureTransform,
+};
 use super::notes::{Notes, number, shown};
 use crate::error::Result;
 use crate::scene::assembly::{decode_image, most_texels};
+use crate::scene::emission::MOST_LUMINANCE;
 use crate::scene::text::shortened;
-use crate::scene::{AlphaMode, Material, Texture, Wrap};
+use crate::scene::{AlphaMode, Emission, Material, Texture, Wrap};
 use crate::warning::Warning;
-use glam::{DVec2, DVec3};
+use glam::{DAffine2, DMat2, DVec2, DVec3};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
@@ -17,9 +21,11 @@ use std::collections::BTreeMap;
 /// The materials of a file, and last the one of surfaces without any.
 pub(super) struct Materials {
     pub list: Vec<Material>,
-    /// The base colour texture of each.
+    /// The texture of each by which its texture coordinates go: the base colour's, otherwise the emissive one.
     pub uses: Vec<Option<TextureUse>>,
     pub textures: Vec<Texture>,
+    /// Of those that shine.
+    pub emissions: BTreeMap<u32, Emission>,
 }
 
 /// Which texture coordinates a texture is read at.
@@ -37,6 +43,17 @@ impl TextureUse {
         let (sin, cos) = self.rotation.sin_cos();
         let uv = uv * self.scale;
         DVec2::new(cos * uv.x + sin * uv.y, cos * uv.y - sin * uv.x) + self.offset
+    }
+
+    /// From the coordinates that these have become to those of another texture, if they can be told from them.
+    fn to(self, other: TextureUse) -> Option<DAffine2> {
+        let affine = |used: TextureUse| DAffine2 {
+            matrix2: DMat2::from_angle(-used.rotation) * DMat2::from_diagonal(used.scale),
+            translation: used.offset,
+        };
+        let back = affine(self);
+        let is_told = self.set == other.set && back.matrix2.determinant().abs() > 1e-12;
+        is_told.then(|| affine(other) * back.inverse())
     }
 }
 
@@ -59,6 +76,14 @@ pub(super) fn extension<T: DeserializeOwned>(
     all.get(name).map(read).transpose()
 }
 
+/// A material in words.
+fn named(i: usize, entry: &MaterialEntry) -> String {
+    match &entry.name {
+        Some(name) => format!("materials[{i}] ({})", shortened(name)),
+        None => format!("materials[{i}]"),
+    }
+}
+
 impl Materials {
     pub fn read(gltf: &Gltf, notes: &mut Notes) -> Result<Materials> {
         let mut reader = Reader {
@@ -67,8 +92,12 @@ impl Materials {
             pictures: Pictures::default(),
         };
         let (mut list, mut uses) = (Vec::new(), Vec::new());
+        let mut emissions = BTreeMap::new();
         for (i, entry) in gltf.json.materials.iter().enumerate() {
-            let (material, used) = reader.material(i, entry)?;
+            let (material, mut used) = reader.material(i, entry)?;
+            if let Some(emission) = reader.emission(i, entry, &mut used)? {
+                emissions.insert(i as u32, emission);
+            }
             list.push(material);
             uses.push(used);
         }
@@ -85,6 +114,7 @@ impl Materials {
         Ok(Materials {
             list,
             uses,
+            emissions,
             textures: reader.pictures.textures,
         })
     }
@@ -114,10 +144,7 @@ impl Reader<'_, '_> {
         entry: &MaterialEntry,
     ) -> Result<(Material, Option<TextureUse>)> {
         let gltf = self.gltf;
-        let place = match &entry.name {
-            Some(name) => format!("materials[{i}] ({})", shortened(name)),
-            None => format!("materials[{i}]"),
-        };
+        let place = named(i, entry);
         let pbr = &entry.pbr_metallic_roughness;
         let gloss: Option<SpecularGlossiness> = extension(
             gltf,
@@ -149,12 +176,9 @@ impl Reader<'_, '_> {
                 ),
             ],
         };
-        let emissive =
-            entry.emissive_texture.is_some() || entry.emissive_factor.iter().any(|&e| e > 0.0);
         let other = [
             (entry.normal_texture.is_some(), "normal texture"),
             (entry.occlusion_texture.is_some(), "occlusion texture"),
-            (emissive, "emission"),
         ];
         for (present, what) in reflective.into_iter().chain(other) {
             if present {
@@ -205,7 +229,7 @@ impl Reader<'_, '_> {
         let mut texture = None;
         if let Some(reference) = reference {
             used = Some(self.texture_use(reference, &place)?);
-            texture = self.texture(reference.index, &place)?;
+            texture = self.texture(reference.index, &place, "base colour texture")?;
         }
         let material = Material {
             name: entry
@@ -220,6 +244,66 @@ impl Reader<'_, '_> {
             transmissive: transmission.unwrap_or(0.0) > 0.0,
         };
         Ok((material, used))
+    }
+
+    /// The light that a material gives, if it gives any. Without a base colour texture the texture coordinates go by the emissive
+    /// one, which becomes `used`.
+    fn emission(
+        &mut self,
+        i: usize,
+        entry: &MaterialEntry,
+        used: &mut Option<TextureUse>,
+    ) -> Result<Option<Emission>> {
+        let place = named(i, entry);
+        let factor = std::array::from_fn(|channel| {
+            let channel_name = ["red", "green", "blue"][channel];
+            let what = format!("the {channel_name} of emissiveFactor");
+            self.held(entry.emissive_factor[channel], &what, &place)
+        });
+        let extension: Option<EmissiveStrength> = extension(
+            self.gltf,
+            &entry.extensions,
+            "KHR_materials_emissive_strength",
+            &place,
+        )?;
+        let asked = extension.and_then(|e| e.emissive_strength).unwrap_or(1.0);
+        let strength = asked.clamp(0.0, MOST_LUMINANCE);
+        if strength != asked {
+            let problem = format!("{place}: emissiveStrength is {}", number(asked));
+            let instead = format!("held at {} cd/m2", number(strength));
+            self.notes.mend(self.gltf.at(problem), instead);
+        }
+        let luminance = strength * DVec3::from_array(factor);
+        if luminance == DVec3::ZERO {
+            if entry.emissive_texture.is_some() {
+                self.notes
+                    .of_material("emissive texture whose factor or strength is 0");
+            }
+            return Ok(None);
+        }
+        let mut emission = Emission {
+            both_sides: entry.double_sided,
+            ..Emission::plain(luminance)
+        };
+        let Some(reference) = &entry.emissive_texture else {
+            return Ok(Some(emission));
+        };
+        let own = self.texture_use(reference, &place)?;
+        let texture = self.texture(reference.index, &place, "emissive texture")?;
+        match used.get_or_insert(own).to(own) {
+            Some(uvs) => {
+                emission.uvs = uvs;
+                emission.texture = texture;
+            }
+            None => {
+                let what = "emissive texture on other coordinates than the base colour texture, \
+                     taken as its mean";
+                self.notes.of_material(what);
+                emission.luminance *=
+                    texture.map_or(DVec3::ONE, |t| self.pictures.textures[t].mean());
+            }
+        }
+        Ok(Some(emission))
     }
 
     /// A share of the light that arrives, held in 0 to 1.
@@ -263,9 +347,9 @@ impl Reader<'_, '_> {
     }
 
     /// Decodes a texture into the scene. One that cannot be read is a warning: the scene's shape is there without it.
-    fn texture(&mut self, index: usize, by: &str) -> Result<Option<usize>> {
+    fn texture(&mut self, index: usize, by: &str, what: &str) -> Result<Option<usize>> {
         let gltf = self.gltf;
-        let by = format!("{by}, base colour texture");
+        let by = format!("{by}, {what}");
         let entry = gltf.get(&gltf.json.textures, "textures", index, by)?;
         let place = format!("textures[{index}]");
         let mut wraps = [Wrap::Repeat; 2];

@@ -1,7 +1,7 @@
 //! Scenes from glTF 2.0 and GLB.
 //!
 //! Of a material its base colour counts: factor, texture (nearest texel; KHR_texture_transform goes into the texture
-//! coordinates here), vertex colours, alpha. Node transforms are composed in f64 from the JSON's own numbers. Meshes are
+//! coordinates here), vertex colours, alpha; and its emission: factor, texture, strength. Node transforms are composed in f64 from the JSON's own numbers. Meshes are
 //! morphed by the file's weights, then posed by their skins as the file leaves them. Whatever else a file holds is named in
 //! a warning.
 //!
@@ -91,6 +91,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     scene.cameras = cameras.0;
     scene.materials = materials.list;
     scene.textures = materials.textures;
+    scene.emissions = materials.emissions;
     let last = scene.materials.len() - 1;
     let is_used = |material: usize| {
         let mut triangles = scene.mesh.triangles.iter();

@@ -51,7 +51,10 @@ pub(super) fn read(
         Some(_) => pairs(gltf, all, &set, &by)?.unwrap_or_default(),
         None => Vec::new(),
     };
-    if used.is_some() && uvs.is_empty() && materials.list[material].texture.is_some() {
+    let emission = materials.emissions.get(&(material as u32));
+    let is_textured =
+        materials.list[material].texture.is_some() || emission.is_some_and(|e| e.texture.is_some());
+    if used.is_some() && uvs.is_empty() && is_textured {
         notes.leave_out(format!(
             "texture on a surface without {set}, which gets its first texel"
         ));

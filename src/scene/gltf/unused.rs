@@ -67,8 +67,13 @@ fn pictures(gltf: &Gltf, notes: &mut Notes) {
             &pbr.metallic_roughness_texture,
             &material.normal_texture,
             &material.occlusion_texture,
-            &material.emissive_texture,
         ];
+        textures.extend(
+            material
+                .emissive_texture
+                .as_ref()
+                .map(|texture| texture.index),
+        );
         for texture in others.into_iter().flatten() {
             numbers_of("index", texture, &mut textures);
         }
