@@ -191,6 +191,8 @@ fn every_key_stands_in_an_example_which_is_a_scene() {
     std::fs::write(folder.join("room.obj"), room).expect("there is room");
     std::fs::write(folder.join("room.mtl"), "newmtl glass\nnewmtl housing\n")
         .expect("there is room");
+    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "Lamp.003"}]}"#;
+    std::fs::write(folder.join("room.gltf"), gltf).expect("there is room");
     let ies = "IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 60\n0 45 90\n0\n100 80 0\n";
     std::fs::write(folder.join("lamp.ies"), ies).expect("there is room");
     image::RgbImage::from_pixel(2, 2, image::Rgb([200, 90, 30]))
@@ -220,7 +222,10 @@ fn every_key_stands_in_an_example_which_is_a_scene() {
         for (key, value) in table["properties"].as_object().into_iter().flatten() {
             let holds = match value["const"].as_str() {
                 Some(name) => all.contains(&format!("\"{name}\"")),
-                None => all.contains(&format!("{key} =")) || all.contains(&format!("[{key}]")),
+                None => {
+                    let has = [format!("{key} ="), format!("[{key}]")];
+                    value.is_null() || has.iter().any(|has| all.contains(has))
+                }
             };
             if !holds {
                 missing.push(format!("{key} {}", value["const"]));

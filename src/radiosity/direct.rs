@@ -21,7 +21,7 @@ pub(super) struct Direct {
 
 /// Places looked at in a finest tile that is watched: so many where what is there is half as wide, and more where it is narrower, up to
 /// the second number.
-const WATCHED: [f64; 2] = [512.0, 65536.0];
+const WATCHED: [f64; 2] = [512.0, 16384.0];
 
 /// What arrives in a tile, and the share of the tile that is there [1].
 #[derive(Clone, Copy, Default)]

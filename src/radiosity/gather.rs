@@ -295,7 +295,7 @@ impl Transport {
                 }
             }
         }
-        for pool in looked_at(&self.pools, origin, map) {
+        for pool in looked_at(&self.pools, &self.conditions.geometry, origin, map) {
             for level in 0..LEVELS[1] {
                 let weight = whole / f64::from(n << level).powi(2);
                 if weight <= pool.weight {

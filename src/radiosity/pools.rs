@@ -7,7 +7,7 @@ use super::arrival::{Map, Source};
 use super::transport::Transport;
 use crate::colour::luminance;
 use crate::conditions::lamps::Lamp;
-use crate::scene::Ray;
+use crate::scene::{Geometry, Ray};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -86,6 +86,23 @@ impl Pool {
         self.flux * height / (square * square.sqrt())
     }
 
+    /// Whether any of it lies before a place that looks at it, and nothing between them: its middle and four points of its rim tell.
+    fn is_seen(&self, geometry: &Geometry, origin: DVec3, map: &Map) -> bool {
+        let is_before = |point: DVec3| match map {
+            Map::Sphere => true,
+            Map::Cosine([.., normal]) => normal.dot(point - origin) > 0.0,
+        };
+        let (u, v) = self.normal.any_orthonormal_pair();
+        let rim = [u, -u, v, -v].map(|to| self.point + 0.9 * self.radius * to);
+        [self.point].into_iter().chain(rim).any(|point| {
+            let way = point - origin;
+            way.try_normalize().is_some_and(|direction| {
+                is_before(point)
+                    && !geometry.occluded(&Ray { origin, direction }, 0.0, 0.999 * way.length())
+            })
+        })
+    }
+
     /// Its part of all directions, as a map weighs them, about.
     fn weight(&self, origin: DVec3, map: &Map) -> f64 {
         let way = origin - self.point;
@@ -121,14 +138,19 @@ impl Seen {
 }
 
 /// Those of some pools that a place looks at: the ones that may give it most.
-pub(super) fn looked_at(pools: &[Pool], origin: DVec3, map: &Map) -> Vec<Seen> {
+pub(super) fn looked_at(
+    pools: &[Pool],
+    geometry: &Geometry,
+    origin: DVec3,
+    map: &Map,
+) -> Vec<Seen> {
     let of = |pool| (Pool::at_most(pool, origin), pool);
     let mut all: Vec<(f64, &Pool)> = pools.iter().map(of).collect();
     all.retain(|(most, _)| *most > 0.0);
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let least = all.first().map_or(0.0, |(most, _)| DIM * most);
     all.truncate(MOST);
-    all.retain(|(most, _)| *most >= least);
+    all.retain(|(most, pool)| *most >= least && pool.is_seen(geometry, origin, map));
     let seen = |(_, pool): (f64, &Pool)| {
         let way = pool.point - origin;
         Some(Seen {
