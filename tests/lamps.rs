@@ -205,7 +205,8 @@ fn a_device_shows_the_same_lamps() {
     for field in [Field::Lights, Field::InscatterLights, Field::Indirect] {
         let off = relative_rmse(&of(true, field), &of(false, field));
         eprintln!("{}: {:.4} %", field.name(), 100.0 * off);
-        assert!(off < 0.005, "{}: {off}", field.name());
+        // f32 on the device; and both divide the sphere until its parts differ by 0.5 %, at places of their own.
+        assert!(off < 1e-3, "{}: {off}", field.name());
     }
 }
 

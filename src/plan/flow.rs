@@ -56,6 +56,12 @@ pub(super) fn check(effect: &Effect, before: &[&'static Effect]) -> Result<()> {
     if effect.passes.is_empty() {
         return Ok(());
     }
+    let in_parts = |pass: &Pass| matches!(pass.when, When::Parts(_));
+    if effect.passes.iter().any(in_parts) && (effect.passes.len(), effect.writes.len()) != (1, 1) {
+        return defect(
+            "has a pass in parts, and another pass or more than one field that it writes".into(),
+        );
+    }
     let (mut read, mut updated) = (Vec::new(), Vec::new());
     let mut made: Vec<&str> = Vec::new();
     for pass in effect.passes {
