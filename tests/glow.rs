@@ -13,7 +13,6 @@ use tyndall::backend::{Backend, Limits, Wanted};
 use tyndall::conditions::{Conditions, Receiver, View};
 use tyndall::effect::Field;
 use tyndall::medium::Phase;
-use tyndall::photometry::Distribution;
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{Camera, Emission, LampEntry, LampForm, Scene, Texture, Wrap};
 use tyndall::studies::scenes::Corners;
@@ -200,7 +199,7 @@ fn picture() -> Texture {
         [
             20 * k + 60,
             255 - 25 * k,
-            if k % 2 == 0 { 255 } else { 0 },
+            if k.is_multiple_of(2) { 255 } else { 0 },
             255,
         ]
     };
@@ -295,11 +294,7 @@ fn inside_a_box_that_shines_all_over_every_place_gets_pi_times_its_luminance() {
         .into_iter()
         .map(|[a, b, c]| [a, c, b])
         .collect();
-    let scene = glowing(
-        &[],
-        &inward.iter().copied().collect::<Vec<_>>(),
-        DVec3::splat(100.0),
-    );
+    let scene = glowing(&[], &inward, DVec3::splat(100.0));
     let scene = Scene {
         materials: vec![material(0.5), material(0.5)],
         ..scene
@@ -649,5 +644,4 @@ fn a_ball_of_thousands_of_triangles_lights_as_a_ball() {
         2e-3,
         "flux",
     );
-    let _ = Distribution::Isotropic;
 }

@@ -21,9 +21,6 @@ const LOOKUPS: usize = 1 << 22;
 /// Parts whose luminances differ by no more than this share of the brightest are one.
 const ALIKE: f64 = 0.02;
 
-/// In the air faces look the same way where none is turned further from their mean than by this cosine.
-const LOOKS_ONE_WAY: f64 = 0.9;
-
 /// Faces that shine.
 #[derive(Clone)]
 pub struct Faces {
@@ -404,9 +401,11 @@ impl Faces {
     }
 
     /// Places that stand for all of them on a ray from its origin to a distance [m]: parts no larger than 1 / `count` of how far they
-    /// are from it, and no smaller than 1 / `count`^2 of all.
+    /// are from it, and no smaller than 1 / `count`^2 of all, whose faces are turned from their mean by no more than the angle whose cosine
+    /// is 1 - 1 / `count`^2.
     pub fn along(&self, ray: &Ray, end: f64, count: u32, mut found: impl FnMut(Spot)) {
         let count = f64::from(count);
+        let same_way = 1.0 - 1.0 / (count * count);
         let (_, whole) = self.ball();
         let mut open = vec![self.whole()];
         while let Some(part) = open.pop() {
@@ -414,7 +413,7 @@ impl Faces {
             let foot = (middle - ray.origin).dot(ray.direction).clamp(0.0, end);
             let is_least = radius * count * count <= whole;
             let reach = if is_least { f64::INFINITY } else { 1.0 / count };
-            if self.is_small(&part, ray.at(foot), reach, LOOKS_ONE_WAY) {
+            if self.is_small(&part, ray.at(foot), reach, same_way) {
                 found(self.one(&part));
             } else {
                 self.divided(&part, |part| open.push(part));
