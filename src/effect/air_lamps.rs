@@ -230,9 +230,15 @@ fn scattered(
         spot.radius,
     )
     .shaped(pattern, &met.bends, error);
-    let sum: DVec3 = lit
-        .iter()
-        .map(|([a, b], pass)| *pass * scattering.integrate(from + a, from + b))
+    let lit = lit
+        .into_iter()
+        .map(|([a, b], pass)| ([from + a, from + b], pass));
+    // Panes before the eye do not depend on the lamp.
+    let sighted = conditions.geometry.sighted(ray, to);
+    let sum: DVec3 = sighted
+        .of(lit.collect())
+        .into_iter()
+        .map(|([a, b], pass)| pass * scattering.integrate(a, b))
         .sum();
     lamp.intensity * sum
 }

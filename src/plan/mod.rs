@@ -100,11 +100,18 @@ fn left_to_reference(effect: &Effect, conditions: &Conditions) -> Option<&'stati
     if asks_media(effect) && conditions.air.media.iter().any(Medium::is_curved) {
         return Some("the borders of a layer or an ellipsoid are curved");
     }
+    let has_panes = conditions.geometry.panes().is_some();
+    if has_panes && effect.writes.contains(&Field::Transmittance) {
+        return Some("panes colour the light");
+    }
     let for_beams = |pass: &Pass| matches!(pass.when, When::EachBeam(_));
     if !effect.passes.iter().any(for_beams) {
         return None;
     }
     // Shadow maps hold one depth.
+    if has_panes {
+        return Some("panes colour the light");
+    }
     if conditions.geometry.has_veils() {
         return Some("surfaces let a part of the light through");
     }

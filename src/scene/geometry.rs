@@ -8,6 +8,7 @@
 
 use super::cut_out::{AlphaMap, CutOut};
 use super::opacity::{Opacities, Opacity};
+use super::panes::{Glazing, Panes};
 use super::wide::{BoxRay, Wide};
 use super::{Ray, Scene};
 use crate::split_mix::SplitMix;
@@ -59,6 +60,10 @@ pub struct Geometry {
     veils: Vec<u32>,
     /// The share of light that each material that lets light through does let through.
     passes: Vec<f64>,
+    /// The panes, which stand in no one's way but colour light.
+    panes: Option<Box<Panes>>,
+    /// What the triangles let through, where these are the panes.
+    pub(super) glazing: Option<Glazing>,
     rays: Wide,
     pub(super) nodes: Vec<Node>,
     /// The triangles beside each, as far as someone has asked.
@@ -96,7 +101,7 @@ pub(crate) struct Veil {
 }
 
 /// What is within this share of its distance from another veil of the same material is the same: the edge of two triangles.
-const SAME_PLACE: f64 = 1e-12;
+pub(super) const SAME_PLACE: f64 = 1e-12;
 
 struct Inflated(Aabb);
 
@@ -109,13 +114,26 @@ impl Boundable for Inflated {
 impl Geometry {
     /// Takes the triangles of a scene that stop light or a part of it ([`super::opacity`] says which).
     pub fn new(scene: &Scene) -> Self {
+        let opacities = Opacities::new(scene);
+        let panes = Panes::new(scene, &opacities).map(Box::new);
+        Geometry {
+            panes,
+            ..Self::of(scene, opacities, |all| &all.of_material)
+        }
+    }
+
+    /// The triangles of materials of which something is there.
+    pub(super) fn of(
+        scene: &Scene,
+        opacities: Opacities,
+        which: fn(&Opacities) -> &Vec<Opacity>,
+    ) -> Self {
         let (min, max) = scene.mesh.bounds().unwrap_or_default();
         let origin = 0.5 * (min + max);
         let extent = (max - min).length();
-        let opacities = Opacities::new(scene);
         let opacity = |triangle: u32| {
             let material = scene.mesh.triangles[triangle as usize].material;
-            opacities.of_material[material as usize]
+            which(&opacities)[material as usize]
         };
         let mut twice = HashSet::new();
         let mut corners = Vec::new();
@@ -185,6 +203,8 @@ impl Geometry {
             opacities,
             veils,
             passes,
+            panes: None,
+            glazing: None,
             rays,
             nodes,
             neighbours: OnceLock::new(),
@@ -211,6 +231,11 @@ impl Geometry {
     /// Whether anything lets a part of the light through.
     pub fn has_veils(&self) -> bool {
         !self.passes.is_empty()
+    }
+
+    /// The panes of the scene, if it has any.
+    pub fn panes(&self) -> Option<&Panes> {
+        self.panes.as_deref()
     }
 
     /// What is not there of the scene's materials, or not as the file has it.
@@ -272,15 +297,19 @@ impl Geometry {
         any
     }
 
-    /// The share of light that a ray lets through between the distances `near` and `far` [m]: the product over the surfaces that
-    /// it crosses.
-    pub fn transmittance(&self, ray: &Ray, near: f64, far: f64) -> f64 {
-        if !self.has_veils() {
-            return f64::from(u8::from(!self.occluded(ray, near, far)));
-        }
-        match self.met(ray, near, far) {
-            (Some(_), _) => 0.0,
-            (None, veils) => veils.iter().map(|veil| veil.pass).product(),
+    /// What a ray lets through of light between the distances `near` and `far` [m], by channel of the working space [1]: the product
+    /// over the surfaces and panes that it crosses.
+    pub fn transmittance(&self, ray: &Ray, near: f64, far: f64) -> DVec3 {
+        let share = match self.has_veils() {
+            false => f64::from(u8::from(!self.occluded(ray, near, far))),
+            true => match self.met(ray, near, far) {
+                (Some(_), _) => 0.0,
+                (None, veils) => veils.iter().map(|veil| veil.pass).product(),
+            },
+        };
+        match &self.panes {
+            Some(panes) if share > 0.0 => share * panes.transmittance(ray, near, far),
+            _ => DVec3::splat(share),
         }
     }
 
@@ -323,7 +352,13 @@ impl Geometry {
 
     /// Calls `found` for the triangles between `near` and `far`; it returns the distance beyond which none is wanted any more: 0
     /// for none at all.
-    fn visit(&self, ray: &Ray, near: f64, far: f64, mut found: impl FnMut(usize, Hit) -> f64) {
+    pub(super) fn visit(
+        &self,
+        ray: &Ray,
+        near: f64,
+        far: f64,
+        mut found: impl FnMut(usize, Hit) -> f64,
+    ) {
         if self.corners.is_empty() {
             return;
         }
@@ -384,7 +419,7 @@ impl Geometry {
     }
 
     /// Whether a kept triangle is solid there: it always is unless alpha cuts a hole.
-    fn solid_at(&self, index: usize, barycentric: [f64; 2]) -> bool {
+    pub(super) fn solid_at(&self, index: usize, barycentric: [f64; 2]) -> bool {
         self.cut_out(index)
             .is_none_or(|(cut, map)| map.is_solid(cut.spot(barycentric)))
     }

@@ -247,7 +247,9 @@ fn extension(name: &str, kind: &Kind, notes: &mut Notes) {
     let read_here = match name {
         "EXT_mesh_gpu_instancing" | "KHR_node_visibility" => kind.name == "node",
         "KHR_lights_punctual" => matches!(kind.name, "node" | "file"),
-        "KHR_materials_pbrSpecularGlossiness" => kind.name == "material",
+        "KHR_materials_pbrSpecularGlossiness" | "KHR_materials_transmission" => {
+            kind.name == "material"
+        }
         "KHR_texture_transform" => matches!(kind.name, "baseColorTexture" | "texture"),
         // Stand-ins with a plain copy beside them, without which the reader of the object fails.
         "KHR_draco_mesh_compression" => kind.name == "primitive",

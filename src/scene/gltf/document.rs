@@ -58,6 +58,8 @@ json! {
         diffuse_factor: Option<[f64; 4]>, diffuse_texture: Option<TextureRef>, specular_factor: Option<[f64; 3]>,
         specular_glossiness_texture: Option<Value>,
     }
+    /// KHR_materials_transmission.
+    Transmission { transmission_factor: f64, transmission_texture: Option<TextureRef> }
     TextureRef { index: usize, tex_coord: u32, extensions: Map<String, Value> }
     TextureEntry { name: Option<String>, sampler: Option<usize>, source: Option<usize>, extensions: Map<String, Value> }
     ImageEntry { name: Option<String>, uri: Option<String>, buffer_view: Option<usize> }

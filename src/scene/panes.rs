@@ -1,0 +1,455 @@
+//! Panes: where light crosses glass, and what is left of it behind.
+//!
+//! A pane stands in no one's way: eye, shadows and patches look through it, and what they see is multiplied by what the glass lets
+//! through at the angle of the way ([`super::glass`]), by channel of the working space. Light goes straight on; what a pane
+//! reflects is left out. Of a material that alpha has there in part, a, 1 - a + a T is let through.
+//!
+//! Pictures are read at their nearest texel, as base colours are. So of a line over a pane, as the curtain, the fan and the chords of
+//! the sun's disc draw them, the parts of one colour have exact ends: where it passes from texel to texel. Within such a part the
+//! angle may change, of light from a lamp, and so may the vertices' colours: it is divided until what is let through changes by
+//! less than [`EVEN`].
+
+use super::across::Across;
+use super::cut_out::texel;
+use super::geometry::{Geometry, SAME_PLACE};
+use super::glass::Incidence;
+use super::opacity::Opacities;
+use super::shade::{Run, Shade};
+use super::{Mesh, Pane, Ray, Scene, Texture};
+use crate::beam::Beam;
+use crate::colour::{Space, srgb_decode};
+use glam::{DMat3, DVec2, DVec3};
+
+/// What a part of a line lets through changes by no more than this [1].
+const EVEN: f64 = 2e-3;
+
+/// So often a part may be halved.
+const HALVINGS: u32 = 8;
+
+/// More borders of texels than this on a line are not told apart: far more than a picture shows.
+const BORDERS: f64 = 65_536.0;
+
+/// The panes of a scene.
+pub struct Panes {
+    /// Their triangles.
+    tree: Geometry,
+}
+
+/// What the triangles of a tree of panes let through.
+pub(super) struct Glazing {
+    /// One for each kept triangle.
+    sheets: Vec<Sheet>,
+    glasses: Vec<Glass>,
+    pictures: Vec<Texture>,
+    working_from_rec709: DMat3,
+}
+
+/// A triangle of glass.
+struct Sheet {
+    /// Which of the glasses.
+    glass: u32,
+    /// Unit normal.
+    normal: DVec3,
+    uvs: [DVec2; 3],
+    /// The vertices' colours, where they count.
+    colors: Option<[DVec3; 3]>,
+}
+
+/// A material of glass.
+struct Glass {
+    /// What multiplies the pictures, linear Rec. 709.
+    factor: DVec3,
+    /// Which of the pictures, and whether their red channel is read.
+    pictures: Vec<(usize, bool)>,
+    count: u32,
+    /// The share of the pane that is there.
+    cover: f64,
+}
+
+impl Panes {
+    /// Those of a scene; `None` where there are none.
+    pub(super) fn new(scene: &Scene, opacities: &Opacities) -> Option<Self> {
+        let is_there = |material: u32| opacities.of_panes[material as usize].share > 0.0;
+        let triangles = &scene.mesh.triangles;
+        if !triangles.iter().any(|t| is_there(t.material)) {
+            return None;
+        }
+        let copy = Opacities {
+            of_material: Vec::new(),
+            of_panes: opacities.of_panes.clone(),
+            warnings: Vec::new(),
+        };
+        let mut tree = Geometry::of(scene, copy, |all| &all.of_panes);
+        tree.glazing = Some(Glazing::new(scene, opacities, &tree.scene_triangle));
+        Some(Panes { tree })
+    }
+
+    /// The scene's numbers of the triangles that are panes.
+    pub fn triangles(&self) -> &[u32] {
+        &self.tree.scene_triangle
+    }
+
+    /// Where a ray crosses panes between the distances `near` and `far` [m], in order, and what each lets through [1].
+    pub fn crossings(&self, ray: &Ray, near: f64, far: f64) -> Vec<(f64, DVec3)> {
+        self.tree.crossings(ray, near, far)
+    }
+
+    /// What is left of light that goes along a ray from the distance `near` to `far` [m], either way [1].
+    pub fn transmittance(&self, ray: &Ray, near: f64, far: f64) -> DVec3 {
+        let crossings = self.crossings(ray, near, far);
+        crossings.iter().map(|(_, through)| *through).product()
+    }
+
+    /// Adds what panes keep of the light of beams off the first `far` metres of a ray.
+    pub(super) fn tint(&self, ray: &Ray, far: f64, beams: &[Beam], shades: &mut [Shade]) {
+        let mut found = Vec::new();
+        self.tree.shades_of_triangles(ray, far, beams, &mut found);
+        for (shade, found) in shades.iter_mut().zip(found) {
+            shade.tinted = found.tinted;
+        }
+    }
+
+    /// Their triangles, with what they let through.
+    pub(super) fn tree(&self) -> &Geometry {
+        &self.tree
+    }
+}
+
+/// What panes leave of light that comes along a ray to where it begins.
+#[derive(Debug, Default)]
+pub struct Sighted {
+    /// Distances [m], ascending, from beyond which as much is left.
+    steps: Vec<(f64, DVec3)>,
+}
+
+impl Sighted {
+    /// Whether there is no pane.
+    pub fn is_clear(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    /// Of light from a distance [m]: what is left of it, by channel [1].
+    pub fn from(&self, distance: f64) -> DVec3 {
+        let before = self.steps.partition_point(|(at, _)| *at < distance);
+        match before {
+            0 => DVec3::ONE,
+            n => self.steps[n - 1].1,
+        }
+    }
+
+    /// The runs between panes up to a distance [m], and what is left of light from there.
+    pub fn runs(&self, far: f64) -> Vec<(Run, DVec3)> {
+        self.of(vec![([0.0, far], DVec3::ONE)])
+    }
+
+    /// Runs of the ray, divided at panes, and what of their light is left.
+    pub fn of(&self, runs: Vec<(Run, DVec3)>) -> Vec<(Run, DVec3)> {
+        if self.steps.is_empty() {
+            return runs;
+        }
+        let mut seen = Vec::with_capacity(runs.len() + self.steps.len());
+        for ([from, to], share) in runs {
+            let inner = self.steps.iter().map(|(at, _)| *at);
+            let inner = inner.filter(|at| *at > from && *at < to);
+            let mut at = from;
+            for end in inner.chain([to]) {
+                let left = share * self.from(0.5 * at + 0.5 * end.min(f64::MAX));
+                if end > at && left != DVec3::ZERO {
+                    seen.push(([at, end], left));
+                }
+                at = end;
+            }
+        }
+        seen
+    }
+}
+
+impl Geometry {
+    /// What panes leave of what a ray sees between its start and a distance [m].
+    pub fn sighted(&self, ray: &Ray, far: f64) -> Sighted {
+        let Some(panes) = self.panes() else {
+            return Sighted::default();
+        };
+        let mut left = DVec3::ONE;
+        let steps = panes.crossings(ray, 0.0, far).into_iter();
+        let steps = steps.map(|(distance, through)| {
+            left *= through;
+            (distance, left)
+        });
+        Sighted {
+            steps: steps.collect(),
+        }
+    }
+
+    /// Of a tree of panes, where a ray crosses them and what each lets through. At the edge between two triangles of one pane it
+    /// crosses it once.
+    pub(super) fn crossings(&self, ray: &Ray, near: f64, far: f64) -> Vec<(f64, DVec3)> {
+        let Some(glazing) = &self.glazing else {
+            return Vec::new();
+        };
+        let mut met = Vec::new();
+        self.visit(ray, near, far, |slot, hit| {
+            met.push((slot, hit));
+            f64::INFINITY
+        });
+        met.sort_unstable_by(|(_, a), (_, b)| {
+            let by_distance = a.distance.total_cmp(&b.distance);
+            by_distance.then(a.triangle.cmp(&b.triangle))
+        });
+        let reach = (ray.origin - self.origin).length() + self.extent;
+        met.dedup_by(|(other, b), (slot, a)| {
+            glazing.sheets[*slot].glass == glazing.sheets[*other].glass
+                && b.distance - a.distance <= SAME_PLACE * reach
+        });
+        let through = |(slot, hit): (usize, super::Hit)| {
+            let cosine = glazing.sheets[slot].normal.dot(ray.direction);
+            let through = glazing.through(slot, hit.barycentric.into(), cosine);
+            (hit.distance, through)
+        };
+        met.into_iter().map(through).collect()
+    }
+}
+
+impl Geometry {
+    /// Of a tree of panes, adds what one of them lets through to a chord of a disc that light comes from.
+    pub(super) fn tint_chord(
+        &self,
+        slot: usize,
+        across: &Across,
+        toward: DVec3,
+        shade: &mut Shade,
+    ) {
+        let Some(glazing) = &self.glazing else {
+            return;
+        };
+        let cosine = glazing.normal(slot).dot(toward);
+        let [first, last] = across.ends;
+        let add = |p: f64, q: f64, through: DVec3| {
+            if self.solid_at(slot, first.lerp(last, 0.5 * (p + q)).into()) {
+                shade.tint(
+                    through,
+                    [p, q].map(|f| across.from_beginning(f)),
+                    across.span(),
+                );
+            }
+        };
+        glazing.parts(slot, across.ends, [0.0, 1.0], |_| cosine, add);
+    }
+}
+
+impl Glazing {
+    fn new(scene: &Scene, opacities: &Opacities, triangles: &[u32]) -> Self {
+        let mut pictures = Vec::new();
+        let mut number = vec![None; scene.textures.len()];
+        let mut picture = |index: usize| {
+            *number[index].get_or_insert_with(|| {
+                pictures.push(scene.textures[index].clone());
+                pictures.len() - 1
+            })
+        };
+        let mut glasses = Vec::new();
+        let mut glass_of = vec![None; scene.materials.len()];
+        let mesh = &scene.mesh;
+        let mut sheets = Vec::with_capacity(triangles.len());
+        for triangle in triangles {
+            let triangle = &mesh.triangles[*triangle as usize];
+            let index = triangle.material as usize;
+            let material = &scene.materials[index];
+            let pane = material.pane.as_ref().unwrap_or(&Pane::CLEAR);
+            let glass = *glass_of[index].get_or_insert_with(|| {
+                let base = match pane.is_tinted {
+                    true => material.base_color,
+                    false => DVec3::ONE,
+                };
+                let shown = [
+                    (material.texture.filter(|_| pane.is_tinted), false),
+                    (pane.red, true),
+                    (pane.image, false),
+                ];
+                let shown = shown
+                    .into_iter()
+                    .filter_map(|(index, red)| Some((picture(index?), red)));
+                glasses.push(Glass {
+                    factor: pane.transmittance * base,
+                    pictures: shown.collect(),
+                    count: pane.count,
+                    cover: opacities.of_panes[index].share,
+                });
+                glasses.len() as u32 - 1
+            });
+            sheets.push(Sheet::new(mesh, triangle.vertices, glass, pane));
+        }
+        Glazing {
+            sheets,
+            glasses,
+            pictures,
+            working_from_rec709: Space::Rec709.to_working(),
+        }
+    }
+
+    /// Unit normal of a pane.
+    pub fn normal(&self, slot: usize) -> DVec3 {
+        self.sheets[slot].normal
+    }
+
+    /// What a pane lets through at a place (weights of the second and third corner) of light whose way has this cosine to its
+    /// normal.
+    fn through(&self, slot: usize, at: DVec2, cosine: f64) -> DVec3 {
+        let colour = self.sheets[slot].color(at) * self.shown(slot, at);
+        self.at_angle(slot, colour, cosine)
+    }
+
+    /// The same of a pane that lets through a colour, linear Rec. 709, along its normal.
+    fn at_angle(&self, slot: usize, colour: DVec3, cosine: f64) -> DVec3 {
+        let glass = &self.glasses[self.sheets[slot].glass as usize];
+        let incidence = Incidence::new(cosine);
+        let normal = (self.working_from_rec709 * colour).clamp(DVec3::ZERO, DVec3::ONE);
+        let one = |share: f64| incidence.transmittance(share, glass.count);
+        let through = match normal.x == normal.y && normal.y == normal.z {
+            true => DVec3::splat(one(normal.x)),
+            false => DVec3::from_array(normal.to_array().map(one)),
+        };
+        1.0 - glass.cover + glass.cover * through
+    }
+
+    /// What a pane lets through along its normal, but for the vertices' colours: linear Rec. 709.
+    fn shown(&self, slot: usize, at: DVec2) -> DVec3 {
+        let sheet = &self.sheets[slot];
+        let glass = &self.glasses[sheet.glass as usize];
+        let uv = sheet.uv(at);
+        let mut shown = glass.factor;
+        for (picture, is_red) in &glass.pictures {
+            let picture = &self.pictures[*picture];
+            let x = texel(uv.x, picture.width, picture.wrap[0]);
+            let y = texel(uv.y, picture.height, picture.wrap[1]);
+            let [r, g, b, _] = picture.pixels[(y * picture.width + x) as usize];
+            shown *= match is_red {
+                true => DVec3::splat(f64::from(r) / 255.0),
+                false => DVec3::from_array([r, g, b].map(|c| srgb_decode(f64::from(c) / 255.0))),
+            };
+        }
+        shown
+    }
+
+    /// Calls `found` for the parts of a straight line over a pane, as fractions of it, with what is let through there. The line's ends
+    /// are weights of the second and third corner; `within` are fractions between which it is asked for; `cosine` is that of the
+    /// light's way to the normal.
+    pub fn parts(
+        &self,
+        slot: usize,
+        line: [DVec2; 2],
+        within: Run,
+        cosine: impl Fn(f64) -> f64,
+        mut found: impl FnMut(f64, f64, DVec3),
+    ) {
+        let sheet = &self.sheets[slot];
+        let place = |f: f64| line[0].lerp(line[1], f);
+        let uv = |f: f64| sheet.uv(place(f));
+        let mut ends = vec![within[0], within[1]];
+        for (picture, _) in &self.glasses[sheet.glass as usize].pictures {
+            let picture = &self.pictures[*picture];
+            let size = DVec2::new(picture.width.into(), picture.height.into());
+            let (from, to) = (uv(0.0) * size, uv(1.0) * size);
+            borders(from.x, to.x, within, &mut ends);
+            borders(from.y, to.y, within, &mut ends);
+        }
+        ends.sort_unstable_by(f64::total_cmp);
+        let mut hand_over = |(run, shown): (Run, DVec3)| {
+            let through = |f: f64| self.at_angle(slot, sheet.color(place(f)) * shown, cosine(f));
+            let angles = [run[0], 0.5 * (run[0] + run[1]), run[1]].map(&cosine);
+            if sheet.colors.is_none() && angles[0] == angles[1] && angles[1] == angles[2] {
+                found(run[0], run[1], through(run[0]));
+            } else {
+                even(run, run.map(through), &through, HALVINGS, &mut found);
+            }
+        };
+        let mut open: Option<(Run, DVec3)> = None;
+        for pair in ends.windows(2) {
+            let [from, to] = [pair[0], pair[1]];
+            if to <= from {
+                continue;
+            }
+            let shown = self.shown(slot, place(0.5 * (from + to)));
+            match &mut open {
+                Some((run, same)) if *same == shown => run[1] = to,
+                _ => {
+                    if let Some(part) = open.replace(([from, to], shown)) {
+                        hand_over(part);
+                    }
+                }
+            }
+        }
+        if let Some(part) = open {
+            hand_over(part);
+        }
+    }
+}
+
+impl Sheet {
+    fn new(mesh: &Mesh, vertices: [u32; 3], glass: u32, pane: &Pane) -> Self {
+        let [a, b, c] = vertices.map(|v| mesh.positions[v as usize]);
+        let is_coloured = pane.is_tinted && !mesh.colors.is_empty();
+        Sheet {
+            glass,
+            normal: (b - a).cross(c - a).normalize_or_zero(),
+            uvs: vertices.map(|v| mesh.uvs[v as usize]),
+            colors: is_coloured.then(|| vertices.map(|v| mesh.colors[v as usize].truncate())),
+        }
+    }
+
+    fn uv(&self, at: DVec2) -> DVec2 {
+        let [a, b, c] = self.uvs;
+        a * (1.0 - at.x - at.y) + b * at.x + c * at.y
+    }
+
+    fn color(&self, at: DVec2) -> DVec3 {
+        self.colors.map_or(DVec3::ONE, |[a, b, c]| {
+            a * (1.0 - at.x - at.y) + b * at.x + c * at.y
+        })
+    }
+}
+
+/// Adds the fractions of a line, between two of them, at which a coordinate [texels] passes from texel to texel.
+fn borders(start: f64, end: f64, within: Run, all: &mut Vec<f64>) {
+    let slope = end - start;
+    let at = within.map(|f| start + f * slope);
+    let (low, high) = (at[0].min(at[1]), at[0].max(at[1]));
+    let (first, last) = (low.floor() + 1.0, high.ceil() - 1.0);
+    if last < first || last - first > BORDERS {
+        return;
+    }
+    let count = (last - first) as u32 + 1;
+    let places = (0..count).map(|i| (first + f64::from(i) - start) / slope);
+    all.extend(places.filter(|f| *f > within[0] && *f < within[1]));
+}
+
+/// Divides a part of a line, of which it is known what is let through at its ends, until that is even.
+fn even(
+    [from, to]: Run,
+    ends: [DVec3; 2],
+    through: &impl Fn(f64) -> DVec3,
+    halvings: u32,
+    found: &mut impl FnMut(f64, f64, DVec3),
+) {
+    let middle = 0.5 * (from + to);
+    let at_middle = through(middle);
+    let off = |end: DVec3| (end - at_middle).abs().max_element();
+    if halvings == 0 || off(ends[0]).max(off(ends[1])) <= EVEN {
+        // Simpson's rule.
+        return found(from, to, (ends[0] + 4.0 * at_middle + ends[1]) / 6.0);
+    }
+    even(
+        [from, middle],
+        [ends[0], at_middle],
+        through,
+        halvings - 1,
+        found,
+    );
+    even(
+        [middle, to],
+        [at_middle, ends[1]],
+        through,
+        halvings - 1,
+        found,
+    );
+}
