@@ -92,7 +92,7 @@ fn gltf_says_all_that_it_holds() {
         "example.glb",
         "emission (1)",
         "normal texture (1)",
-        "KHR_materials_transmission (1)",
+        "reflection of a material that lets a part of the light through (1)",
     ] {
         assert!(
             scene.warnings[0].message().contains(what),

@@ -305,7 +305,14 @@ impl Disc {
         chords: &mut Vec<Shade>,
     ) -> DVec3 {
         let (panes, sheets) = panes.unwrap_or((geometry, &[]));
-        let turn = self.turn(outlines.iter().chain(sheets));
+        let borders = sheets
+            .iter()
+            .flat_map(|sheet| panes.borders(sheet.slot as usize));
+        let borders = borders.map(|along| self.on_plane(along));
+        let turn = self.turn(
+            outlines.iter().chain(sheets),
+            borders.map(|b| DVec2::new(-b.y, b.x)),
+        );
         chords.resize_with(CHORDS, Shade::default);
         chords.iter_mut().for_each(|shade| shade.clear());
         for outline in outlines {
@@ -351,10 +358,17 @@ impl Disc {
         self.light(clips, line.map(|lines| lines[1]), turn, chords)
     }
 
-    /// The direction of chords that lies most across the edges which are there.
-    fn turn<'a>(&self, outlines: impl Iterator<Item = &'a Outline>) -> &Turn {
+    /// The direction of chords that lies most across the edges and borders (normals on the plane) which are there.
+    fn turn<'a>(
+        &self,
+        outlines: impl Iterator<Item = &'a Outline>,
+        borders: impl Iterator<Item = DVec2>,
+    ) -> &Turn {
         let mut least = [1.0f64; TURNS];
-        for line in outlines.flat_map(|outline| &outline.lines) {
+        let lines = outlines.flat_map(|outline| &outline.lines);
+        // All borders of texels count as if they crossed it.
+        let borders = borders.map(|across| across.extend(0.0));
+        for line in lines.copied().chain(borders) {
             let size = line.x.hypot(line.y);
             if line.z.abs() < size {
                 for (least, turn) in least.iter_mut().zip(&self.turns) {

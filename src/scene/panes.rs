@@ -50,6 +50,8 @@ struct Sheet {
     glass: u32,
     /// Unit normal.
     normal: DVec3,
+    /// Unit vectors along the borders between the pictures' texels, where there are any.
+    borders: [Option<DVec3>; 2],
     uvs: [DVec2; 3],
     /// The vertices' colours, where they count.
     colors: Option<[DVec3; 3]>,
@@ -211,6 +213,15 @@ impl Geometry {
 }
 
 impl Geometry {
+    /// Of a tree of panes, unit vectors along the borders between colours of one of them.
+    pub(super) fn borders(&self, slot: usize) -> impl Iterator<Item = DVec3> {
+        let borders = self
+            .glazing
+            .as_ref()
+            .map(|glazing| glazing.sheets[slot].borders);
+        borders.into_iter().flatten().flatten()
+    }
+
     /// Of a tree of panes, adds what one of them lets through to a chord of a disc that light comes from.
     pub(super) fn tint_chord(
         &self,
@@ -239,15 +250,9 @@ impl Geometry {
 
 impl Glazing {
     fn new(scene: &Scene, opacities: &Opacities, triangles: &[u32]) -> Self {
-        let mut pictures = Vec::new();
+        let mut pictures: Vec<Texture> = Vec::new();
         let mut number = vec![None; scene.textures.len()];
-        let mut picture = |index: usize| {
-            *number[index].get_or_insert_with(|| {
-                pictures.push(scene.textures[index].clone());
-                pictures.len() - 1
-            })
-        };
-        let mut glasses = Vec::new();
+        let mut glasses: Vec<Glass> = Vec::new();
         let mut glass_of = vec![None; scene.materials.len()];
         let mesh = &scene.mesh;
         let mut sheets = Vec::with_capacity(triangles.len());
@@ -266,9 +271,14 @@ impl Glazing {
                     (pane.red, true),
                     (pane.image, false),
                 ];
-                let shown = shown
-                    .into_iter()
-                    .filter_map(|(index, red)| Some((picture(index?), red)));
+                let shown = shown.into_iter().filter_map(|(index, red)| {
+                    let index: usize = index?;
+                    let number = *number[index].get_or_insert_with(|| {
+                        pictures.push(scene.textures[index].clone());
+                        pictures.len() - 1
+                    });
+                    Some((number, red))
+                });
                 glasses.push(Glass {
                     factor: pane.transmittance * base,
                     pictures: shown.collect(),
@@ -277,7 +287,15 @@ impl Glazing {
                 });
                 glasses.len() as u32 - 1
             });
-            sheets.push(Sheet::new(mesh, triangle.vertices, glass, pane));
+            let mut sheet = Sheet::new(mesh, triangle.vertices, glass, pane);
+            let shown = &glasses[glass as usize].pictures;
+            for (axis, border) in sheet.borders.iter_mut().enumerate() {
+                let texels = |picture: &Texture| [picture.width, picture.height][axis];
+                if !shown.iter().any(|(k, _)| texels(&pictures[*k]) > 1) {
+                    *border = None;
+                }
+            }
+            sheets.push(sheet);
         }
         Glazing {
             sheets,
@@ -388,11 +406,16 @@ impl Glazing {
 impl Sheet {
     fn new(mesh: &Mesh, vertices: [u32; 3], glass: u32, pane: &Pane) -> Self {
         let [a, b, c] = vertices.map(|v| mesh.positions[v as usize]);
+        let uvs = vertices.map(|v| mesh.uvs[v as usize]);
+        let (e, f) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
+        // Where one coordinate stays the same.
+        let along = |e: f64, f: f64| (f * (b - a) - e * (c - a)).try_normalize();
         let is_coloured = pane.is_tinted && !mesh.colors.is_empty();
         Sheet {
             glass,
             normal: (b - a).cross(c - a).normalize_or_zero(),
-            uvs: vertices.map(|v| mesh.uvs[v as usize]),
+            borders: [along(e.x, f.x), along(e.y, f.y)],
+            uvs,
             colors: is_coloured.then(|| vertices.map(|v| mesh.colors[v as usize].truncate())),
         }
     }
