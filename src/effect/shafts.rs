@@ -74,6 +74,9 @@ pub fn decide(conditions: &Conditions) -> Decision {
     )
 }
 
+/// At least so many points stand for the sun's disc where panes colour its light: their borders are as sharp as those of surfaces.
+const FEWEST: usize = 16;
+
 /// What stands for the sun in the air.
 enum SunInAir {
     /// The whole disc, its edges told apart; points where a ray cannot.
@@ -144,8 +147,13 @@ pub fn reference<'a>(
     settings: &Settings<'_>,
     kept: &Keeper<'_>,
 ) -> Result<Batch<'a>> {
-    let beams = sun_beams(conditions, settings);
     let sun = sun_in_air(conditions, settings, false);
+    let beams = match (&sun, conditions.geometry.panes()) {
+        (SunInAir::Points(Some(_)), Some(_)) => {
+            conditions.sun_beams(FEWEST.max(settings.get("suns") as usize))
+        }
+        _ => sun_beams(conditions, settings),
+    };
     note_of(&sun, beams.len())
         .into_iter()
         .for_each(|note| kept.note(note));

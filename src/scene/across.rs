@@ -1,6 +1,5 @@
 //! A triangle along a chord of a disc: from where to where it reaches, and which of its places are there.
 
-use super::disc::cut;
 use super::shade::Run;
 use glam::DVec2;
 
@@ -51,7 +50,20 @@ impl Across {
     }
 
     /// The same from the chord's beginning.
-    pub fn from_beginning(&self, f: f64) -> f64 {
+    pub fn along(&self, f: f64) -> f64 {
         self.place(f) + self.half
+    }
+}
+
+/// The part of a run where a line, by its value at 0 and its slope, is not negative.
+pub(super) fn cut([from, to]: Run, [middle, slope]: [f64; 2]) -> Run {
+    if slope > 0.0 {
+        [from.max(-middle / slope), to]
+    } else if slope < 0.0 {
+        [from, to.min(-middle / slope)]
+    } else if middle >= 0.0 {
+        [from, to]
+    } else {
+        [to, to]
     }
 }

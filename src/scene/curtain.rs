@@ -379,23 +379,18 @@ impl Search<'_> {
                 a.z + f * (b.z - a.z) - y * plane.cot
             };
             let (from, to) = (at(f), at(g));
-            if let Some(glazing) = &self.geometry.glazing {
+            if self.geometry.glazing.is_some() {
                 let [first, last] = [&a, &b].map(End::weights);
                 let line = [first.lerp(last, f), first.lerp(last, g)];
-                let [n, m, r] = self.frame.map(|axis| axis.dot(glazing.normal(index)));
+                let normal = self.to_frame * self.geometry.pane_normal(index);
                 let toward = DVec3::new(plane.sin, plane.cos, plane.cot).normalize();
-                let cosine = toward.dot(DVec3::new(n, m, r));
+                let cosine = normal.dot(toward);
                 let (shade, span) = (&mut self.shades[k], self.span);
+                let mix = |f: f64| from + f * (to - from);
                 let add = |p: f64, q: f64, through: DVec3| {
-                    let mix = |f: f64| from + f * (to - from);
-                    if self
-                        .geometry
-                        .solid_at(index, line[0].lerp(line[1], 0.5 * (p + q)).into())
-                    {
-                        shade.tint(through, [mix(p), mix(q)], span);
-                    }
+                    shade.tint(through, [mix(p), mix(q)], span);
                 };
-                glazing.parts(index, line, [0.0, 1.0], |_| cosine, add);
+                self.geometry.colours(index, line, |_| cosine, add);
                 continue;
             }
             let veil = self.geometry.veil(index);

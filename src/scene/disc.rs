@@ -9,7 +9,7 @@
 //! closed form. Across them stands Gauss-Chebyshev quadrature of the second kind, whose weights are those of the circle, so that
 //! one edge costs less than 0.3 % whichever way it lies; chords are laid across the edges that are there.
 
-use super::across::Across;
+use super::across::{Across, cut};
 use super::geometry::Geometry;
 use super::shade::{Run, Shade, complement};
 use glam::{DVec2, DVec3, Vec3A};
@@ -450,19 +450,6 @@ fn on_chord(line: &DVec3, across: DVec2, offset: f64) -> [f64; 2] {
         line.z + offset * (line.x * across.x + line.y * across.y),
         line.y * across.x - line.x * across.y,
     ]
-}
-
-/// The part of a run where a line, by its value at 0 and its slope, is not negative.
-pub(super) fn cut([from, to]: Run, [middle, slope]: [f64; 2]) -> Run {
-    if slope > 0.0 {
-        [from.max(-middle / slope), to]
-    } else if slope < 0.0 {
-        [from, to.min(-middle / slope)]
-    } else if middle >= 0.0 {
-        [from, to]
-    } else {
-        [to, to]
-    }
 }
 
 impl Geometry {

@@ -127,19 +127,16 @@ impl Geometry {
             let y = p.y.clamp(0.0, top);
             (p.z * height - along * y) / (height - y)
         };
-        if let Some(glazing) = &self.glazing {
+        if self.glazing.is_some() {
             let [first, last] =
                 [edge_a, edge_b].map(|(lower, upper, f)| weights(lower).lerp(weights(upper), f));
             let line = [first.lerp(last, from), first.lerp(last, to)];
             let normal = normal.normalize();
             let at = |f: f64| from + f * (to - from);
             let cosine = |f: f64| normal.dot((lamp - a.lerp(b, at(f))).normalize_or_zero());
-            let add = |p: f64, q: f64, through: DVec3| {
-                if self.solid_at(index, line[0].lerp(line[1], 0.5 * (p + q)).into()) {
-                    shade.tint(through, [p, q].map(|f| shaded(at(f))), span);
-                }
-            };
-            glazing.parts(index, line, [0.0, 1.0], cosine, add);
+            self.colours(index, line, cosine, |p, q, through| {
+                shade.tint(through, [p, q].map(|f| shaded(at(f))), span);
+            });
             return;
         }
         let veil = self.veil(index);

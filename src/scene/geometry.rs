@@ -7,8 +7,8 @@
 //! 2013), so no ray slips between neighbours.
 
 use super::cut_out::{AlphaMap, CutOut};
+use super::glazing::Glazing;
 use super::opacity::{Opacities, Opacity};
-use super::panes::{Glazing, Panes};
 use super::wide::{BoxRay, Wide};
 use super::{Ray, Scene};
 use crate::split_mix::SplitMix;
@@ -61,7 +61,7 @@ pub struct Geometry {
     /// The share of light that each material that lets light through does let through.
     passes: Vec<f64>,
     /// The panes, which stand in no one's way but colour light.
-    panes: Option<Box<Panes>>,
+    pub(super) panes: Option<Box<Geometry>>,
     /// What the triangles let through, where these are the panes.
     pub(super) glazing: Option<Glazing>,
     rays: Wide,
@@ -115,19 +115,32 @@ impl Geometry {
     /// Takes the triangles of a scene that stop light or a part of it ([`super::opacity`] says which).
     pub fn new(scene: &Scene) -> Self {
         let opacities = Opacities::new(scene);
-        let panes = Panes::new(scene, &opacities).map(Box::new);
+        let panes = Self::of_panes(scene, &opacities);
         Geometry {
-            panes,
+            panes: panes.map(Box::new),
             ..Self::of(scene, opacities, |all| &all.of_material)
         }
     }
 
+    /// The panes of a scene, with what they let through; `None` where there are none.
+    fn of_panes(scene: &Scene, opacities: &Opacities) -> Option<Self> {
+        let is_pane = |material: u32| opacities.of_panes[material as usize].share > 0.0;
+        let mut triangles = scene.mesh.triangles.iter();
+        if !triangles.any(|t| is_pane(t.material)) {
+            return None;
+        }
+        let own = Opacities {
+            of_material: Vec::new(),
+            of_panes: opacities.of_panes.clone(),
+            warnings: Vec::new(),
+        };
+        let mut tree = Self::of(scene, own, |all| &all.of_panes);
+        tree.glazing = Some(Glazing::new(scene, opacities, &tree.scene_triangle));
+        Some(tree)
+    }
+
     /// The triangles of materials of which something is there.
-    pub(super) fn of(
-        scene: &Scene,
-        opacities: Opacities,
-        which: fn(&Opacities) -> &Vec<Opacity>,
-    ) -> Self {
+    fn of(scene: &Scene, opacities: Opacities, which: fn(&Opacities) -> &Vec<Opacity>) -> Self {
         let (min, max) = scene.mesh.bounds().unwrap_or_default();
         let origin = 0.5 * (min + max);
         let extent = (max - min).length();
@@ -233,11 +246,6 @@ impl Geometry {
         !self.passes.is_empty()
     }
 
-    /// The panes of the scene, if it has any.
-    pub fn panes(&self) -> Option<&Panes> {
-        self.panes.as_deref()
-    }
-
     /// What is not there of the scene's materials, or not as the file has it.
     pub fn warnings(&self) -> &[Warning] {
         &self.opacities.warnings
@@ -307,7 +315,7 @@ impl Geometry {
                 (None, veils) => veils.iter().map(|veil| veil.pass).product(),
             },
         };
-        match &self.panes {
+        match self.panes() {
             Some(panes) if share > 0.0 => share * panes.transmittance(ray, near, far),
             _ => DVec3::splat(share),
         }
@@ -419,7 +427,7 @@ impl Geometry {
     }
 
     /// Whether a kept triangle is solid there: it always is unless alpha cuts a hole.
-    pub(super) fn solid_at(&self, index: usize, barycentric: [f64; 2]) -> bool {
+    fn solid_at(&self, index: usize, barycentric: [f64; 2]) -> bool {
         self.cut_out(index)
             .is_none_or(|(cut, map)| map.is_solid(cut.spot(barycentric)))
     }

@@ -18,6 +18,7 @@ mod filling;
 pub mod framing;
 pub mod geometry;
 pub mod glass;
+mod glazing;
 mod gltf;
 mod hints;
 pub mod lamp;

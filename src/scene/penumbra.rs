@@ -14,7 +14,8 @@
 //! there. What could only hide what is hidden already is skipped, as by the curtain.
 
 use super::Ray;
-use super::disc::{Meets, Outline, cut};
+use super::across::cut;
+use super::disc::{Meets, Outline};
 use super::edges::{Edges, Margin};
 use super::geometry::{Geometry, Node};
 use super::shade::{Run, Shade, gaps, holds, insert};

@@ -75,6 +75,13 @@ impl Shade {
     /// The runs of [0, far] that light reaches, in order, and what does of it, by channel [1]: the product over the surfaces and panes on
     /// its way.
     pub fn lit(&self, far: f64) -> Vec<(Run, DVec3)> {
+        let mut lit = self.left(far);
+        lit.retain(|(_, left)| *left != DVec3::ZERO);
+        lit
+    }
+
+    /// The same with what panes leave none of.
+    fn left(&self, far: f64) -> Vec<(Run, DVec3)> {
         let lit = self.lit_in_part(far).into_iter();
         let lit = lit.map(|(run, pass)| (run, DVec3::splat(pass)));
         if self.tinted.is_empty() {
@@ -146,7 +153,7 @@ impl Shade {
     /// The runs of [0, far] on which something keeps light off, and the share of it that is missing.
     pub fn missing(&self, far: f64) -> impl Iterator<Item = (Run, DVec3)> {
         let dark = self.dark.iter().map(|run| (*run, DVec3::ONE));
-        let dimmed = (!self.is_plain()).then(|| self.lit(far));
+        let dimmed = (!self.is_plain()).then(|| self.left(far));
         let dimmed = dimmed.into_iter().flatten();
         let dimmed = dimmed.map(|(run, left)| (run, (1.0 - left).max(DVec3::ZERO)));
         dark.chain(dimmed.filter(|(_, missing)| *missing != DVec3::ZERO))
