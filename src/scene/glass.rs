@@ -93,13 +93,15 @@ fn pile(t: f64, inner: f64, count: u32) -> f64 {
     // 1 - r A, 1 - r^2 A^2 and 1 - R, without taking nearly equal numbers from each other.
     let once = (1.0 - inner) + t * inner;
     let round = once * (1.0 + (1.0 - t) * inner);
-    let through = t * t * inner / round;
-    let taken = t * ((1.0 - square) + t * square) / round;
+    // Near 90 degrees the square of t may be no number any more.
+    let share = t / round;
+    let through = share * t * inner;
+    let taken = share * ((1.0 - square) + t * square);
     let (mut all, mut rest) = (through, taken);
     for _ in 1..count {
         // 1 - R_1 R_2.
         let between = rest + (1.0 - rest) * taken;
-        rest -= all * all * (1.0 - taken) / between;
+        rest -= all * (all / between) * (1.0 - taken);
         all *= through / between;
     }
     all
