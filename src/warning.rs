@@ -144,6 +144,11 @@ pub enum Warning {
         /// The materials.
         materials: Vec<String>,
     },
+    /// Materials that are glass, of which nothing is simulated but what they let through.
+    Panes {
+        /// The materials.
+        materials: Vec<String>,
+    },
     /// Materials that fade from there to not there: an edge at half takes the place of the gradient.
     GradualAlpha {
         /// The materials.
@@ -376,6 +381,7 @@ impl Warning {
             }
             Warning::IgnoredMaterialProperties { .. }
             | Warning::LeftOut { .. }
+            | Warning::Panes { .. }
             | Warning::DegenerateTriangles { .. }
             | Warning::FoundElsewhere { .. } => None,
         }
@@ -485,6 +491,11 @@ impl fmt::Display for Warning {
             Warning::PartlySeeThrough { materials } => write!(
                 f,
                 "these let a part of the light through, straight on and uncoloured, and a GPU leaves sunlight to the CPU for them (exact, and slower): {}",
+                quoted(materials)
+            ),
+            Warning::Panes { materials } => write!(
+                f,
+                "panes let light straight through and show nothing of themselves: what they reflect is left out: {}",
                 quoted(materials)
             ),
             Warning::GradualAlpha { materials } => write!(

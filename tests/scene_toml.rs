@@ -383,6 +383,10 @@ fn schema_and_example_know_the_same_keys() {
     for key in ["node", "distribution.path", "distribution.lamp_set"] {
         used.insert(format!(".light.{key}"));
     }
+    // Panes have tests of their own.
+    for key in ["", ".material", ".transmittance", ".image", ".panes"] {
+        used.insert(format!(".pane{key}"));
+    }
     assert_eq!(known, used);
     assert!(!schema.to_string().contains("null"), "TOML has no null");
 }

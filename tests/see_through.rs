@@ -206,7 +206,7 @@ fn a_blended_leaf_is_a_masked_leaf() {
             origin: at,
             direction: DVec3::NEG_Y,
         };
-        let through = |geometry: &Geometry| geometry.transmittance(&down, 0.0, 1.5);
+        let through = |geometry: &Geometry| geometry.transmittance(&down, 0.0, 1.5).y;
         let (faint, whole) = (through(&faint), through(&whole));
         assert!(
             (faint - (0.6 + 0.4 * whole)).abs() < 1e-12,
@@ -270,7 +270,7 @@ fn the_alpha_of_vertices_counts() {
         origin: DVec3::new(0.2, 2.0, 0.1),
         direction: DVec3::NEG_Y,
     };
-    assert_eq!(half_there.transmittance(&down, 0.0, 1.5), 0.5);
+    assert_eq!(half_there.transmittance(&down, 0.0, 1.5), DVec3::splat(0.5));
 }
 
 #[test]
@@ -309,7 +309,11 @@ fn panes_let_their_share_of_sunlight_through_to_the_floor() {
             origin: DVec3::new(x, 2.0, -x),
             direction: DVec3::NEG_Y,
         };
-        assert_eq!(geometry.transmittance(&down, 0.0, 1.5), 0.5, "{x}");
+        assert_eq!(
+            geometry.transmittance(&down, 0.0, 1.5),
+            DVec3::splat(0.5),
+            "{x}"
+        );
     }
 }
 
@@ -529,7 +533,7 @@ fn through_the_quad(scene: &Scene) -> f64 {
         origin: DVec3::new(0.3, 0.6, 1.0),
         direction: DVec3::NEG_Z,
     };
-    Geometry::new(scene).transmittance(&ray, 0.0, 2.0)
+    Geometry::new(scene).transmittance(&ray, 0.0, 2.0).y
 }
 
 #[test]

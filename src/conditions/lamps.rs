@@ -178,7 +178,7 @@ impl Lamp {
                 direction,
             };
             whole += shape;
-            if geometry.transmittance(&ray, 1e-9 * geometry.extent(), near) > 0.0 {
+            if geometry.transmittance(&ray, 1e-9 * geometry.extent(), near) != DVec3::ZERO {
                 out += shape;
             }
         }

@@ -331,7 +331,7 @@ fn of_spot(conditions: &Conditions, lamp: &Lamp, spot: &Spot, place: &Place) -> 
     // A lamp on a surface is not behind it.
     let far = distance * (1.0 - ON_SURFACE) - place.near;
     let through = geometry.transmittance(&ray, place.near, far);
-    if through == 0.0 {
+    if through == DVec3::ZERO {
         return DVec3::ZERO;
     }
     let depth = conditions

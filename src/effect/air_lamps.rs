@@ -332,12 +332,12 @@ fn rests(bounds: impl DoubleEndedIterator<Item = f64>) -> Vec<f64> {
 impl AirLamps<'_> {
     /// What a spot adds for each candela of its lamp [1/(m2 sr)].
     fn share(&self, met: &Met<'_>, ray: &Ray, shades: &mut Vec<Shade>) -> DVec3 {
-        // Surfaces that shine have neither planes nor rows.
-        let has_number = met.number < self.spots.len();
-        if let Some(planes) = self.planes.as_ref().filter(|_| has_number) {
+        // Surfaces that shine have neither planes nor rows, and neither knows panes.
+        let is_plain = met.number < self.spots.len() && self.conditions.geometry.panes().is_none();
+        if let Some(planes) = self.planes.as_ref().filter(|_| is_plain) {
             return planes.light(met.number, &met.spot, ray, met.span);
         }
-        let of_row = self.rows.as_ref().filter(|_| has_number).and_then(|rows| {
+        let of_row = self.rows.as_ref().filter(|_| is_plain).and_then(|rows| {
             shades.resize_with(1, Shade::default);
             rows.lit_runs(met, ray, &mut shades[0])
         });

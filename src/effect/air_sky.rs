@@ -77,7 +77,20 @@ pub const AIR_SKY: Effect = Effect {
                     true => surface.distance,
                     false => before_sky.end(ray.origin, ray.direction),
                 };
-                present + light.light(centre(pixel), ray, distance, is_met, &mut sight)
+                let mut sum = DVec3::ZERO;
+                let mut nearer = DVec3::ZERO;
+                // What lies beyond a pane is all up to there less what is before it.
+                let sighted = conditions.geometry.sighted(ray, distance);
+                for ([_, to], left) in sighted.runs(distance) {
+                    let up_to = light.light(centre(pixel), ray, to, is_met, &mut sight);
+                    sum += left * (up_to - nearer);
+                    nearer = up_to;
+                }
+                present
+                    + match sighted.is_clear() {
+                        true => sum,
+                        false => sum.max(DVec3::ZERO),
+                    }
             });
         }))
     },

@@ -46,7 +46,8 @@ pub const LAMP_FACES: Effect = Effect {
                 let depth = conditions
                     .air
                     .optical_depth(ray.origin, ray.direction, distance);
-                present + light * (-depth).exp()
+                let sighted = conditions.geometry.sighted(ray, distance);
+                present + sighted.from(distance) * light * (-depth).exp()
             });
         }))
     },

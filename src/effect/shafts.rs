@@ -6,6 +6,9 @@
 //! kinds overlap). The sun's disc is a set of points of equal shares of its area, each with runs of its own; where its penumbra
 //! is narrower than a pixel one point would do, and more change nothing.
 //!
+//! Panes colour the light on both its ways ([`crate::scene::panes`]): a run ends where what they leave changes, and the sun's disc is
+//! points then.
+//!
 //! Multiple scattering is not simulated: in air of optical depth tau and single-scattering albedo w about w tau / 2 of the
 //! scattered light is missing from each further order.
 
@@ -71,6 +74,9 @@ pub fn decide(conditions: &Conditions) -> Decision {
     )
 }
 
+/// At least so many points stand for the sun's disc where panes colour its light: their borders are as sharp as those of surfaces.
+const FEWEST: usize = 16;
+
 /// What stands for the sun in the air.
 enum SunInAir {
     /// The whole disc, its edges told apart; points where a ray cannot.
@@ -87,6 +93,10 @@ fn sun_in_air(conditions: &Conditions, settings: &Settings<'_>, on_gpu: bool) ->
         None => SunInAir::Points(None),
         Some(disc) => match disc.told {
             Told::Not => SunInAir::Points(Some("shadows have too many edges")),
+            // Edges of penumbrae are told apart for what stops light, not for what colours it.
+            _ if conditions.geometry.panes().is_some() => {
+                SunInAir::Points(Some("panes colour the light too variously"))
+            }
             // Passes on a device know nothing of them within a penumbra.
             _ if on_gpu && conditions.geometry.has_holes() => {
                 SunInAir::Points(Some("surfaces have holes"))
@@ -137,8 +147,13 @@ pub fn reference<'a>(
     settings: &Settings<'_>,
     kept: &Keeper<'_>,
 ) -> Result<Batch<'a>> {
-    let beams = sun_beams(conditions, settings);
     let sun = sun_in_air(conditions, settings, false);
+    let beams = match (&sun, conditions.geometry.panes()) {
+        (SunInAir::Points(Some(_)), Some(_)) => {
+            conditions.sun_beams(FEWEST.max(settings.get("suns") as usize))
+        }
+        _ => sun_beams(conditions, settings),
+    };
     note_of(&sun, beams.len())
         .into_iter()
         .for_each(|note| kept.note(note));
@@ -177,9 +192,10 @@ pub fn reference<'a>(
                 }
             }
             geometry.shades(ray, end, &beams, &mut shades);
+            let sighted = geometry.sighted(ray, end);
             for (beam, shade) in beams.iter().zip(&shades) {
                 let scattering = Scattering::new(air, ray.origin, ray.direction, end, beam);
-                for ([from, to], pass) in shade.lit(end) {
+                for ([from, to], pass) in sighted.of(shade.lit(end)) {
                     sum += pass * beam.strength() * scattering.integrate(from, to);
                 }
             }

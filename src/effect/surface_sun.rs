@@ -4,6 +4,8 @@
 //! from their edges ([`crate::scene::disc`]), so that penumbrae have no steps and are as narrow as they are where things touch.
 //! On a GPU the same triangles are found in the tree of casters, and what they cover of the disc is counted in 512 parts of it.
 //!
+//! Panes colour what comes through them ([`crate::scene::panes`]), chord by chord or ray by ray.
+//!
 //! Where `disc` is 0, where no penumbra is as wide as a pixel, and where the sun is low, the disc is a sum over points, V by one
 //! shadow ray in f64 a point: the share of light that the surfaces on it let through. A point sun has one. On a GPU the ray goes
 //! through the same tree of triangles in f32: relative to the anchor, with planes that were made in f64, so that a shadow is as exact
@@ -86,7 +88,7 @@ pub const SURFACE_SUN: Effect = Effect {
                     };
                     let far = beam.distance_from(surface.position);
                     let through = conditions.geometry.transmittance(&ray, near, far);
-                    if through == 0.0 {
+                    if through == DVec3::ZERO {
                         continue;
                     }
                     let depth = conditions.air.beam_optical_depth(surface.position, beam);

@@ -14,7 +14,12 @@ pub const TRANSMITTANCE: Effect = Effect {
     reads: &[Field::Surface],
     writes: &[Field::Transmittance],
     decide: |conditions| {
-        if conditions.air.media.is_empty() {
+        if conditions.geometry.panes().is_some() {
+            Decision::run(
+                "panes colour what is behind them",
+                Contribution::Estimate(conditions.typical_luminance()),
+            )
+        } else if conditions.air.media.is_empty() {
             Decision::nothing("the scene has no medium")
         } else if conditions
             .air
@@ -38,7 +43,9 @@ pub const TRANSMITTANCE: Effect = Effect {
                     true => (&conditions.air, surface.distance),
                     false => (&before_sky, before_sky.end(ray.origin, ray.direction)),
                 };
-                (-air.optical_depth(ray.origin, ray.direction, end)).exp()
+                let sighted = conditions.geometry.sighted(ray, surface.distance);
+                let left = (-air.optical_depth(ray.origin, ray.direction, end)).exp();
+                sighted.from(surface.distance) * left
             });
         }))
     },

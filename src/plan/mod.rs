@@ -108,6 +108,10 @@ fn left_to_reference(effect: &Effect, conditions: &Conditions) -> Option<&'stati
     if asks_media(effect) && conditions.air.media.iter().any(Medium::is_curved) {
         return Some("the borders of a layer or an ellipsoid are curved");
     }
+    let has_panes = conditions.geometry.panes().is_some();
+    if has_panes && effect.writes.contains(&Field::Transmittance) {
+        return Some("panes colour the light");
+    }
     let has_lamps = |resource: &Resource| matches!(resource, Resource::Lamps(_));
     if effect
         .passes
@@ -122,6 +126,9 @@ fn left_to_reference(effect: &Effect, conditions: &Conditions) -> Option<&'stati
         return None;
     }
     // Shadow maps hold one depth.
+    if has_panes {
+        return Some("panes colour the light");
+    }
     if conditions.geometry.has_veils() {
         return Some("surfaces let a part of the light through");
     }

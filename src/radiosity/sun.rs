@@ -64,7 +64,7 @@ fn through(transport: &Transport, conditions: &Conditions, point: DVec3, normal:
         direction: toward,
     };
     let through = conditions.geometry.transmittance(&ray, 0.0, f64::INFINITY);
-    if through > 0.0 {
+    if through != DVec3::ZERO {
         through * (-conditions.air.sun_optical_depth(point, toward)).exp()
     } else {
         DVec3::ZERO

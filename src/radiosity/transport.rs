@@ -136,11 +136,16 @@ impl Transport {
     pub(super) fn look_at(&self, ray: &Ray, hit: Option<Hit>, width: f64) -> Look {
         let Conditions { air, ground, .. } = &self.conditions;
         let Ray { origin, direction } = *ray;
+        let panes = self.conditions.geometry.panes();
         let clear = air.media.is_empty();
         let through = |depth: DVec3| (-depth).exp().as_vec3();
+        let tinted = |distance: f64| match panes {
+            None => Vec3::ONE,
+            Some(panes) => panes.transmittance(ray, 0.0, distance).as_vec3(),
+        };
         let along = |distance: f64| match clear {
-            true => Vec3::ONE,
-            false => through(air.optical_depth(origin, direction, distance)),
+            true => tinted(distance),
+            false => tinted(distance) * through(air.optical_depth(origin, direction, distance)),
         };
         if let Some(hit) = hit {
             return Look {
@@ -153,8 +158,10 @@ impl Transport {
             return Look {
                 source: Source::Sky(self.dome.patch_of(direction)),
                 through: match clear {
-                    true => Vec3::ONE,
-                    false => through(air.sky_optical_depth(origin, direction)),
+                    true => tinted(f64::INFINITY),
+                    false => {
+                        tinted(f64::INFINITY) * through(air.sky_optical_depth(origin, direction))
+                    }
                 },
                 distance: f64::INFINITY,
             };

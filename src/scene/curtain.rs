@@ -15,9 +15,9 @@
 
 use super::Ray;
 use super::geometry::{Geometry, Node, Veil};
-use super::shade::{Shade, Veiled, gaps, holds};
+use super::shade::{Shade, Tinted, Veiled, gaps, holds};
 use crate::beam::Beam;
-use glam::{BVec4A, DMat3, DVec3, Vec3A, Vec4};
+use glam::{BVec4A, DMat3, DVec2, DVec3, Vec3A, Vec4};
 
 pub use super::shade::Run;
 
@@ -46,8 +46,23 @@ impl Geometry {
         dark.extend(shades.into_iter().map(|shade| shade.dark));
     }
 
-    /// What shades the first `far` metres of a ray, for each of `beams`: `shades[k]` is overwritten. Exact except for f64 rounding.
+    /// What shades and colours the first `far` metres of a ray, for each of `beams`: `shades[k]` is overwritten. Exact except for f64
+    /// rounding.
     pub fn shades(&self, ray: &Ray, far: f64, beams: &[Beam], shades: &mut Vec<Shade>) {
+        self.shades_of_triangles(ray, far, beams, shades);
+        if let Some(panes) = self.panes() {
+            panes.tint(ray, far, beams, shades);
+        }
+    }
+
+    /// What its own triangles do.
+    pub(super) fn shades_of_triangles(
+        &self,
+        ray: &Ray,
+        far: f64,
+        beams: &[Beam],
+        shades: &mut Vec<Shade>,
+    ) {
         shades.resize_with(beams.len(), Shade::default);
         shades.iter_mut().for_each(Shade::clear);
         if self.corners.is_empty() || far <= 0.0 {
@@ -117,6 +132,10 @@ impl Geometry {
                 let run = back(veiled.run);
                 shade.veiled.push(Veiled { run, ..veiled });
             }
+            for tinted in found.tinted {
+                let run = back(tinted.run);
+                shade.tinted.push(Tinted { run, ..tinted });
+            }
         }
     }
 
@@ -126,12 +145,23 @@ impl Geometry {
             origin: ray.origin,
             direction: sun,
         };
+        let ahead = sun.dot(ray.direction) > 0.0;
+        if self.glazing.is_some() {
+            for (distance, through) in self.crossings(&way, 0.0, f64::INFINITY) {
+                let end = if ahead { distance } else { far };
+                shade.tint(through, [0.0, end], [0.0, far]);
+            }
+            let behind = (!ahead).then(|| self.crossings(ray, 0.0, far));
+            for (distance, through) in behind.into_iter().flatten() {
+                shade.tint(through, [distance, far], [0.0, far]);
+            }
+            return;
+        }
         let (solid, before) = self.met(&way, 0.0, f64::INFINITY);
         if solid.is_some() {
             shade.dark.push([0.0, far]);
             return;
         }
-        let ahead = sun.dot(ray.direction) > 0.0;
         let mut add = |veil: Veil, run: Run| {
             shade.add(Some((veil.kind, veil.pass)), run, [0.0, far], 0.0);
         };
@@ -349,6 +379,20 @@ impl Search<'_> {
                 a.z + f * (b.z - a.z) - y * plane.cot
             };
             let (from, to) = (at(f), at(g));
+            if self.geometry.glazing.is_some() {
+                let [first, last] = [&a, &b].map(End::weights);
+                let line = [first.lerp(last, f), first.lerp(last, g)];
+                let normal = self.to_frame * self.geometry.pane_normal(index);
+                let toward = DVec3::new(plane.sin, plane.cos, plane.cot).normalize();
+                let cosine = normal.dot(toward);
+                let (shade, span) = (&mut self.shades[k], self.span);
+                let mix = |f: f64| from + f * (to - from);
+                let add = |p: f64, q: f64, through: DVec3| {
+                    shade.tint(through, [mix(p), mix(q)], span);
+                };
+                self.geometry.colours(index, line, |_| cosine, add);
+                continue;
+            }
             let veil = self.geometry.veil(index);
             let Some((cut, map)) = self.geometry.cut_out(index) else {
                 self.shades[k].add(veil, [from, to], self.span, self.together);
@@ -389,4 +433,17 @@ struct End {
     z: f64,
     /// The edge that is cut, from corner to corner, and how far along.
     edge: (usize, usize, f64),
+}
+
+impl End {
+    /// Weights of the second and third corner.
+    fn weights(&self) -> DVec2 {
+        let (lower, upper, f) = self.edge;
+        weights(lower).lerp(weights(upper), f)
+    }
+}
+
+/// Weights of the second and third corner at one of them.
+pub(super) fn weights(corner: usize) -> DVec2 {
+    [DVec2::ZERO, DVec2::X, DVec2::Y][corner]
 }

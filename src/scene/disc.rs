@@ -9,6 +9,7 @@
 //! closed form. Across them stands Gauss-Chebyshev quadrature of the second kind, whose weights are those of the circle, so that
 //! one edge costs less than 0.3 % whichever way it lies; chords are laid across the edges that are there.
 
+use super::across::{Across, cut};
 use super::geometry::Geometry;
 use super::shade::{Run, Shade, complement};
 use glam::{DVec2, DVec3, Vec3A};
@@ -83,6 +84,8 @@ pub(super) enum Meets {
 #[derive(Debug, Default)]
 pub struct DiscWork {
     outlines: Vec<Outline>,
+    /// Those of panes.
+    sheets: Vec<Outline>,
     chords: Vec<Shade>,
 }
 
@@ -267,7 +270,7 @@ impl Disc {
                     cosine * light + slope * placed
                 })
             };
-            let mut add = |[from, to]: Run, pass: f64| {
+            let mut add = |[from, to]: Run, pass: DVec3| {
                 let run = [
                     (from - chord.half).max(within[0]),
                     (to - chord.half).min(within[1]),
@@ -278,9 +281,9 @@ impl Disc {
             };
             let all = 2.0 * chord.half;
             match shades.get(i) {
-                None => add([0.0, all], 1.0),
-                Some(shade) if shade.veiled.is_empty() => {
-                    complement(&shade.dark, all).for_each(|run| add(run, 1.0));
+                None => add([0.0, all], DVec3::ONE),
+                Some(shade) if shade.is_plain() => {
+                    complement(&shade.dark, all).for_each(|run| add(run, DVec3::ONE));
                 }
                 Some(shade) => {
                     for (run, pass) in shade.lit(all) {
@@ -297,10 +300,19 @@ impl Disc {
         &self,
         geometry: &Geometry,
         outlines: &[Outline],
+        panes: Option<(&Geometry, &[Outline])>,
         facing: Option<&Facing>,
         chords: &mut Vec<Shade>,
     ) -> DVec3 {
-        let turn = self.turn(outlines);
+        let (panes, sheets) = panes.unwrap_or((geometry, &[]));
+        let borders = sheets
+            .iter()
+            .flat_map(|sheet| panes.borders(sheet.slot as usize));
+        let borders = borders.map(|along| self.on_plane(along));
+        let turn = self.turn(
+            outlines.iter().chain(sheets),
+            borders.map(|b| DVec2::new(-b.y, b.x)),
+        );
         chords.resize_with(CHORDS, Shade::default);
         chords.iter_mut().for_each(|shade| shade.clear());
         for outline in outlines {
@@ -310,33 +322,35 @@ impl Disc {
                 let lines = outline
                     .lines
                     .map(|line| on_chord(&line, turn.across, chord.offset));
-                let run = lines.into_iter().fold([-chord.half, chord.half], cut);
-                if run[0] >= run[1] {
+                let Some(across) = Across::new(lines, chord.half) else {
                     continue;
-                }
-                let span = [0.0, 2.0 * chord.half];
+                };
                 let mut add = |[from, to]: Run| {
-                    shade.add(veil, [from + chord.half, to + chord.half], span, 0.0);
+                    shade.add(
+                        veil,
+                        [from + chord.half, to + chord.half],
+                        across.span(),
+                        0.0,
+                    );
                 };
                 let Some((cut, map)) = cut_out else {
-                    add(run);
+                    add(across.run);
                     continue;
                 };
-                // Weights of the corners at both ends, not yet divided by their sums.
-                let weights = run.map(|l| lines.map(|[a, b]| (a + b * l).max(0.0)));
-                let sums = weights.map(|w| (w[0] + w[1] + w[2]).max(f64::MIN_POSITIVE));
-                let spot = |end: usize| {
-                    let [_, v, w] = weights[end].map(|weight| weight / sums[end]);
-                    cut.spot([v, w])
-                };
-                // What is even along the triangle is not along the chord.
-                let place = |f: f64| {
-                    let share = f * sums[0] / (f * sums[0] + (1.0 - f) * sums[1]);
-                    run[0] + share * (run[1] - run[0])
-                };
+                let spot = |end: usize| cut.spot(across.ends[end].into());
                 map.solid_parts([spot(0), spot(1)], [0.0, 1.0], |p, q| {
-                    add([place(p), place(q)]);
+                    add([across.place(p), across.place(q)]);
                 });
+            }
+        }
+        for outline in sheets {
+            for (chord, shade) in self.chords.iter().zip(chords.iter_mut()) {
+                let lines = outline
+                    .lines
+                    .map(|line| on_chord(&line, turn.across, chord.offset));
+                if let Some(across) = Across::new(lines, chord.half) {
+                    panes.tint_chord(outline.slot as usize, &across, self.toward, shade);
+                }
             }
         }
         let line = facing.map(|facing| [self.line(facing.facet), self.line(facing.normal)]);
@@ -344,10 +358,17 @@ impl Disc {
         self.light(clips, line.map(|lines| lines[1]), turn, chords)
     }
 
-    /// The direction of chords that lies most across the edges which are there.
-    fn turn(&self, outlines: &[Outline]) -> &Turn {
+    /// The direction of chords that lies most across the edges and borders (normals on the plane) which are there.
+    fn turn<'a>(
+        &self,
+        outlines: impl Iterator<Item = &'a Outline>,
+        borders: impl Iterator<Item = DVec2>,
+    ) -> &Turn {
         let mut least = [1.0f64; TURNS];
-        for line in outlines.iter().flat_map(|outline| &outline.lines) {
+        let lines = outlines.flat_map(|outline| &outline.lines);
+        // All borders of texels count as if they crossed it.
+        let borders = borders.map(|across| across.extend(0.0));
+        for line in lines.copied().chain(borders) {
             let size = line.x.hypot(line.y);
             if line.z.abs() < size {
                 for (least, turn) in least.iter_mut().zip(&self.turns) {
@@ -431,19 +452,6 @@ fn on_chord(line: &DVec3, across: DVec2, offset: f64) -> [f64; 2] {
     ]
 }
 
-/// The part of a run where a line, by its value at 0 and its slope, is not negative.
-pub(super) fn cut([from, to]: Run, [middle, slope]: [f64; 2]) -> Run {
-    if slope > 0.0 {
-        [from.max(-middle / slope), to]
-    } else if slope < 0.0 {
-        [from, to.min(-middle / slope)]
-    } else if middle >= 0.0 {
-        [from, to]
-    } else {
-        [to, to]
-    }
-}
-
 impl Geometry {
     /// The share of a disc's light above the horizon that reaches a place, by channel [1]: of a surface, if `facing` is given, times
     /// the cosine of its normal (without the light from behind its facet).
@@ -457,8 +465,13 @@ impl Geometry {
         facing: Option<&Facing>,
         work: &mut DiscWork,
     ) -> DVec3 {
-        let DiscWork { outlines, chords } = work;
+        let DiscWork {
+            outlines,
+            sheets,
+            chords,
+        } = work;
         outlines.clear();
+        sheets.clear();
         let base = place - self.origin;
         let mut is_dark = false;
         self.in_cone(base, disc.toward, disc.tan, |slot| {
@@ -478,7 +491,17 @@ impl Geometry {
         if is_dark {
             return DVec3::ZERO;
         }
-        if outlines.is_empty() {
+        let panes = self.panes().map(|panes| panes.tree());
+        if let Some(panes) = panes {
+            panes.in_cone(place - panes.origin, disc.toward, disc.tan, |slot| {
+                let corners =
+                    panes.corners[slot].map(|p| disc.on_plane(p - (place - panes.origin)));
+                let outline = Outline::new(corners, slot as u32);
+                sheets.extend(outline.filter(|outline| outline.meets() != Meets::Nothing));
+                true
+            });
+        }
+        if outlines.is_empty() && sheets.is_empty() {
             let whole = |normal: DVec3| {
                 let line = disc.line(normal);
                 line.z >= line.x.hypot(line.y)
@@ -493,7 +516,8 @@ impl Geometry {
                 }
             }
         }
-        disc.left(self, outlines, facing, chords)
+        let sheets = panes.map(|panes| (panes, &sheets[..]));
+        disc.left(self, outlines, sheets, facing, chords)
     }
 
     /// Calls `found` for the triangles (by slot) whose boxes meet a cone of a place relative to the local origin; it returns whether to

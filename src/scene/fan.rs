@@ -6,6 +6,7 @@
 //! On the cut this has no pole, so that the interval's ends are those of the cut.
 
 use super::Ray;
+use super::curtain::weights;
 use super::geometry::Geometry;
 use super::shade::{Run, Shade};
 use glam::{DMat3, DVec3};
@@ -126,6 +127,18 @@ impl Geometry {
             let y = p.y.clamp(0.0, top);
             (p.z * height - along * y) / (height - y)
         };
+        if self.glazing.is_some() {
+            let [first, last] =
+                [edge_a, edge_b].map(|(lower, upper, f)| weights(lower).lerp(weights(upper), f));
+            let line = [first.lerp(last, from), first.lerp(last, to)];
+            let normal = normal.normalize();
+            let at = |f: f64| from + f * (to - from);
+            let cosine = |f: f64| normal.dot((lamp - a.lerp(b, at(f))).normalize_or_zero());
+            self.colours(index, line, cosine, |p, q, through| {
+                shade.tint(through, [p, q].map(|f| shaded(at(f))), span);
+            });
+            return;
+        }
         let veil = self.veil(index);
         let Some((cut, map)) = self.cut_out(index) else {
             shade.add(veil, [shaded(from), shaded(to)], span, together);
@@ -145,6 +158,18 @@ impl Geometry {
     /// there on.
     fn along_ray(&self, ray: &Ray, far: f64, lamp: f64, shade: &mut Shade) {
         let origin = ray.at(lamp);
+        if self.glazing.is_some() {
+            let look = |direction: DVec3, reach: f64| {
+                self.crossings(&Ray { origin, direction }, 0.0, reach)
+            };
+            for (distance, through) in look(-ray.direction, lamp.max(0.0)) {
+                shade.tint(through, [0.0, lamp - distance], [0.0, far]);
+            }
+            for (distance, through) in look(ray.direction, f64::INFINITY) {
+                shade.tint(through, [lamp + distance, far], [0.0, far]);
+            }
+            return;
+        }
         let mut look = |direction: DVec3, reach: f64, run: &dyn Fn(f64) -> Run| {
             let (solid, veils) = self.met(&Ray { origin, direction }, 0.0, reach);
             let solid = solid.map(|hit| (hit.distance, None));

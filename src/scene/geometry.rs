@@ -7,6 +7,7 @@
 //! 2013), so no ray slips between neighbours.
 
 use super::cut_out::{AlphaMap, CutOut};
+use super::glazing::Glazing;
 use super::opacity::{Opacities, Opacity};
 use super::wide::{BoxRay, Wide};
 use super::{Ray, Scene};
@@ -59,6 +60,10 @@ pub struct Geometry {
     veils: Vec<u32>,
     /// The share of light that each material that lets light through does let through.
     passes: Vec<f64>,
+    /// The panes, which stand in no one's way but colour light.
+    pub(super) panes: Option<Box<Geometry>>,
+    /// What the triangles let through, where these are the panes.
+    pub(super) glazing: Option<Glazing>,
     rays: Wide,
     pub(super) nodes: Vec<Node>,
     /// The triangles beside each, as far as someone has asked.
@@ -96,7 +101,7 @@ pub(crate) struct Veil {
 }
 
 /// What is within this share of its distance from another veil of the same material is the same: the edge of two triangles.
-const SAME_PLACE: f64 = 1e-12;
+pub(super) const SAME_PLACE: f64 = 1e-12;
 
 struct Inflated(Aabb);
 
@@ -109,13 +114,39 @@ impl Boundable for Inflated {
 impl Geometry {
     /// Takes the triangles of a scene that stop light or a part of it ([`super::opacity`] says which).
     pub fn new(scene: &Scene) -> Self {
+        let opacities = Opacities::new(scene);
+        let panes = Self::of_panes(scene, &opacities);
+        Geometry {
+            panes: panes.map(Box::new),
+            ..Self::of(scene, opacities, |all| &all.of_material)
+        }
+    }
+
+    /// The panes of a scene, with what they let through; `None` where there are none.
+    fn of_panes(scene: &Scene, opacities: &Opacities) -> Option<Self> {
+        let is_pane = |material: u32| opacities.of_panes[material as usize].share > 0.0;
+        let mut triangles = scene.mesh.triangles.iter();
+        if !triangles.any(|t| is_pane(t.material)) {
+            return None;
+        }
+        let own = Opacities {
+            of_material: Vec::new(),
+            of_panes: opacities.of_panes.clone(),
+            warnings: Vec::new(),
+        };
+        let mut tree = Self::of(scene, own, |all| &all.of_panes);
+        tree.glazing = Some(Glazing::new(scene, opacities, &tree.scene_triangle));
+        Some(tree)
+    }
+
+    /// The triangles of materials of which something is there.
+    fn of(scene: &Scene, opacities: Opacities, which: fn(&Opacities) -> &Vec<Opacity>) -> Self {
         let (min, max) = scene.mesh.bounds().unwrap_or_default();
         let origin = 0.5 * (min + max);
         let extent = (max - min).length();
-        let opacities = Opacities::new(scene);
         let opacity = |triangle: u32| {
             let material = scene.mesh.triangles[triangle as usize].material;
-            opacities.of_material[material as usize]
+            which(&opacities)[material as usize]
         };
         let mut twice = HashSet::new();
         let mut corners = Vec::new();
@@ -185,6 +216,8 @@ impl Geometry {
             opacities,
             veils,
             passes,
+            panes: None,
+            glazing: None,
             rays,
             nodes,
             neighbours: OnceLock::new(),
@@ -272,15 +305,19 @@ impl Geometry {
         any
     }
 
-    /// The share of light that a ray lets through between the distances `near` and `far` [m]: the product over the surfaces that
-    /// it crosses.
-    pub fn transmittance(&self, ray: &Ray, near: f64, far: f64) -> f64 {
-        if !self.has_veils() {
-            return f64::from(u8::from(!self.occluded(ray, near, far)));
-        }
-        match self.met(ray, near, far) {
-            (Some(_), _) => 0.0,
-            (None, veils) => veils.iter().map(|veil| veil.pass).product(),
+    /// What a ray lets through of light between the distances `near` and `far` [m], by channel of the working space [1]: the product
+    /// over the surfaces and panes that it crosses.
+    pub fn transmittance(&self, ray: &Ray, near: f64, far: f64) -> DVec3 {
+        let share = match self.has_veils() {
+            false => f64::from(u8::from(!self.occluded(ray, near, far))),
+            true => match self.met(ray, near, far) {
+                (Some(_), _) => 0.0,
+                (None, veils) => veils.iter().map(|veil| veil.pass).product(),
+            },
+        };
+        match self.panes() {
+            Some(panes) if share > 0.0 => share * panes.transmittance(ray, near, far),
+            _ => DVec3::splat(share),
         }
     }
 
@@ -323,7 +360,13 @@ impl Geometry {
 
     /// Calls `found` for the triangles between `near` and `far`; it returns the distance beyond which none is wanted any more: 0
     /// for none at all.
-    fn visit(&self, ray: &Ray, near: f64, far: f64, mut found: impl FnMut(usize, Hit) -> f64) {
+    pub(super) fn visit(
+        &self,
+        ray: &Ray,
+        near: f64,
+        far: f64,
+        mut found: impl FnMut(usize, Hit) -> f64,
+    ) {
         if self.corners.is_empty() {
             return;
         }

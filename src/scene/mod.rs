@@ -3,6 +3,7 @@
 //! A scene is read from a glTF/GLB or OBJ file (+Y up, metres), or from a TOML file that names one and adds what it
 //! lacks. Nothing here is physics yet: [`crate::conditions`] makes it so, and is the one place where domains are checked.
 
+mod across;
 mod assembly;
 mod base_color;
 mod builtin;
@@ -19,6 +20,8 @@ mod files;
 mod filling;
 pub mod framing;
 pub mod geometry;
+pub mod glass;
+mod glazing;
 mod gltf;
 pub mod half_plane;
 mod hints;
@@ -30,6 +33,8 @@ mod named;
 mod obj;
 mod obj_model;
 pub mod opacity;
+pub mod pane;
+pub mod panes;
 pub mod penumbra;
 pub mod placement;
 mod polygon;
@@ -51,6 +56,8 @@ pub use files::SceneFiles;
 pub use geometry::{Geometry, Hit};
 pub use lamp::{LampEntry, LampForm};
 pub use load::{from_bytes, load, load_placed};
+pub use pane::Pane;
+pub use panes::Panes;
 pub use placement::{Placement, Up};
 pub use toml::schema;
 
@@ -136,8 +143,8 @@ pub struct Material {
     pub texture: Option<usize>,
     /// How alpha is used.
     pub alpha_mode: AlphaMode,
-    /// Whether light passes through (glTF KHR_materials_transmission above zero).
-    pub transmissive: bool,
+    /// What lets light straight through, if it is glass.
+    pub pane: Option<Pane>,
 }
 
 /// How a material's alpha is used (glTF 2.0, 3.9.4).

@@ -123,7 +123,7 @@ fn plain(alpha: f64, pierced: bool) -> Material {
         } else {
             AlphaMode::Opaque
         },
-        transmissive: false,
+        pane: None,
     }
 }
 

@@ -8,6 +8,9 @@
 //! | [`AlphaMode::Mask`] | where alpha reaches the cutoff | all |
 //! | [`AlphaMode::Blend`] | where texture times vertices reach half of their greatest | the greatest alpha |
 //!
+//! A material that is glass ([`super::Pane`]) stops light by the laws of glass instead, where and as far as the table has it there
+//! ([`super::panes`]).
+//!
 //! So a blended surface of alpha 1 is an opaque one, a textured leaf is cut out, and a pane of alpha a lets 1 - a of the light
 //! through, uncoloured and straight on. What is less than half there is left out, and what is more is there as a whole: a
 //! gradient becomes an edge, which a warning says.
@@ -45,8 +48,6 @@ impl Opacity {
     /// That of a material, whose texture times vertices have alphas within `range`.
     fn of(material: &Material, [low, high]: [f64; 2]) -> Opacity {
         let (share, least) = match material.alpha_mode {
-            // Coloured panes are not simulated: what transmits is not there.
-            _ if material.transmissive => return Opacity::NOTHING,
             AlphaMode::Opaque => return Opacity::WHOLE,
             AlphaMode::Mask { cutoff } if material.alpha * high < cutoff => {
                 return Opacity::NOTHING;
@@ -63,8 +64,10 @@ impl Opacity {
 
 /// What a scene's materials have been found to be, and what must be said about them.
 pub struct Opacities {
-    /// One a material.
+    /// One a material; nothing is there of one that is glass.
     pub of_material: Vec<Opacity>,
+    /// How much of each is there as glass, and where.
+    pub of_panes: Vec<Opacity>,
     /// What is not there, or not as the file has it.
     pub warnings: Vec<Warning>,
 }
@@ -76,21 +79,31 @@ impl Opacities {
         let mut textures: Vec<Option<Alphas>> = vec![None; scene.textures.len()];
         let mut opacities = Opacities {
             of_material: Vec::with_capacity(scene.materials.len()),
+            of_panes: Vec::with_capacity(scene.materials.len()),
             warnings: Vec::new(),
         };
         let (mut absent, mut sharpened, mut partly) = (Vec::new(), Vec::new(), Vec::new());
+        let mut panes = Vec::new();
         for (material, (triangles, vertices)) in scene.materials.iter().zip(&users) {
-            let reads_alpha = material.alpha_mode != AlphaMode::Opaque && !material.transmissive;
+            let reads_alpha = material.alpha_mode != AlphaMode::Opaque;
             let texture = material.texture.filter(|_| reads_alpha).map(|index| {
                 *textures[index].get_or_insert_with(|| Alphas::of(&scene.textures[index]))
             });
             let [low, high] = texture.map_or([1.0, 1.0], |t| t.range);
             let opacity = Opacity::of(material, [low * vertices[0], high * vertices[1]]);
-            opacities.of_material.push(opacity);
+            let (as_surface, as_pane) = match material.pane {
+                None => (opacity, Opacity::NOTHING),
+                Some(_) => (Opacity::NOTHING, opacity),
+            };
+            opacities.of_material.push(as_surface);
+            opacities.of_panes.push(as_pane);
+            if *triangles > 0 && as_pane.share > 0.0 {
+                panes.push(material.name.clone());
+            }
             if *triangles == 0 || !reads_alpha {
                 continue;
             }
-            if opacity.is_veil() {
+            if as_surface.is_veil() {
                 partly.push(material.name.clone());
             }
             if opacity.share == 0.0 {
@@ -109,6 +122,10 @@ impl Opacities {
         }
         if !partly.is_empty() {
             let warning = Warning::PartlySeeThrough { materials: partly };
+            opacities.warnings.push(warning);
+        }
+        if !panes.is_empty() {
+            let warning = Warning::Panes { materials: panes };
             opacities.warnings.push(warning);
         }
         if !sharpened.is_empty() {

@@ -14,7 +14,8 @@
 //! there. What could only hide what is hidden already is skipped, as by the curtain.
 
 use super::Ray;
-use super::disc::{Meets, Outline, cut};
+use super::across::cut;
+use super::disc::{Meets, Outline};
 use super::edges::{Edges, Margin};
 use super::geometry::{Geometry, Node};
 use super::shade::{Run, Shade, gaps, holds, insert};
@@ -167,7 +168,7 @@ impl Geometry {
             .veiled
             .iter_mut()
             .for_each(|veil| veil.run = moved(veil.run));
-        for ([from, to], pass) in shade.middle.lit(far) {
+        for ([from, to], pass) in shade.middle.lit_in_part(far) {
             shade.pieces.clear();
             gaps(&soft, from - near, to - near, &mut shade.pieces);
             let pieces = shade.pieces.iter();
@@ -230,7 +231,7 @@ impl Geometry {
                 lines: found.lines.map(|[line, change]| line + t * change),
                 slot: found.slot,
             }));
-            edges.disc().left(self, outlines, None, chords)
+            edges.disc().left(self, outlines, None, None, chords)
         };
         // One edge alone: all else hides what it leaves, or nothing of it.
         let mut there = crossing.iter().filter(|edge| is_there(edge.run));

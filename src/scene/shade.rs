@@ -1,5 +1,7 @@
-//! What shades a ray under one beam: runs without light, and runs that surfaces veil that let a part of it through.
+//! What shades a ray under one beam: runs without light, runs that surfaces veil that let a part of it through, and runs that panes
+//! colour.
 
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// A run of a ray between two distances [m].
@@ -12,6 +14,17 @@ pub struct Shade {
     pub dark: Vec<Run>,
     /// The runs that a surface veils, in no order: one for each triangle and solid part of it.
     pub veiled: Vec<Veiled>,
+    /// The runs that a pane colours, in no order: one for each triangle and part of it that lets one colour through.
+    pub tinted: Vec<Tinted>,
+}
+
+/// A run behind a pane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tinted {
+    /// From where to where [m].
+    pub run: Run,
+    /// What the pane lets through, by channel of the working space [1].
+    pub through: DVec3,
 }
 
 /// A run in the shade of one surface that lets light through.
@@ -30,6 +43,20 @@ impl Shade {
     pub(super) fn clear(&mut self) {
         self.dark.clear();
         self.veiled.clear();
+        self.tinted.clear();
+    }
+
+    /// Whether nothing but what stops all light is in the way.
+    pub(super) fn is_plain(&self) -> bool {
+        self.veiled.is_empty() && self.tinted.is_empty()
+    }
+
+    /// Adds what a pane leaves of the light, from one place of the ray to another.
+    pub(super) fn tint(&mut self, through: DVec3, [a, b]: Run, span: Run) {
+        let run = [a.min(b).max(span[0]), a.max(b).min(span[1])];
+        if run[1] > run[0] {
+            self.tinted.push(Tinted { run, through });
+        }
     }
 
     /// Adds what one surface shades, from one place of the ray to another: all of the light, or but for what a veil (which
@@ -45,8 +72,50 @@ impl Shade {
         }
     }
 
-    /// The runs of [0, far] that light reaches, in order, and the share of it that does: the product over the surfaces on its way.
-    pub fn lit(&self, far: f64) -> Vec<(Run, f64)> {
+    /// The runs of [0, far] that light reaches, in order, and what does of it, by channel [1]: the product over the surfaces and panes on
+    /// its way.
+    pub fn lit(&self, far: f64) -> Vec<(Run, DVec3)> {
+        let mut lit = self.left(far);
+        lit.retain(|(_, left)| *left != DVec3::ZERO);
+        lit
+    }
+
+    /// The same with what panes leave none of.
+    fn left(&self, far: f64) -> Vec<(Run, DVec3)> {
+        let lit = self.lit_in_part(far).into_iter();
+        let lit = lit.map(|(run, pass)| (run, DVec3::splat(pass)));
+        if self.tinted.is_empty() {
+            return lit.collect();
+        }
+        let mut ahead: Vec<Tinted> = self.tinted.clone();
+        ahead.sort_unstable_by(|a, b| b.run[0].total_cmp(&a.run[0]));
+        let mut present: Vec<Tinted> = Vec::new();
+        let mut found: Vec<(Run, DVec3)> = Vec::new();
+        for ([from, to], share) in lit {
+            let mut at = from;
+            while at < to {
+                while let Some(next) = ahead.pop_if(|next| next.run[0] <= at) {
+                    present.push(next);
+                }
+                present.retain(|tinted| tinted.run[1] > at);
+                let ends = present.iter().map(|tinted| tinted.run[1]);
+                let starts = ahead.last().map(|next| next.run[0]);
+                let end = ends.chain(starts).fold(to, f64::min);
+                let left = present
+                    .iter()
+                    .fold(share, |left, tinted| left * tinted.through);
+                match found.last_mut() {
+                    Some((run, last)) if run[1] == at && *last == left => run[1] = end,
+                    _ => found.push(([at, end], left)),
+                }
+                at = end;
+            }
+        }
+        found
+    }
+
+    /// The runs of [0, far] that surfaces let light to, in order, and the share of it that they do.
+    pub(super) fn lit_in_part(&self, far: f64) -> Vec<(Run, f64)> {
         let gaps = complement(&self.dark, far);
         if self.veiled.is_empty() {
             return gaps.map(|run| (run, 1.0)).collect();
@@ -82,12 +151,12 @@ impl Shade {
     }
 
     /// The runs of [0, far] on which something keeps light off, and the share of it that is missing.
-    pub fn missing(&self, far: f64) -> impl Iterator<Item = (Run, f64)> {
-        let dark = self.dark.iter().map(|run| (*run, 1.0));
-        let veiled = (!self.veiled.is_empty()).then(|| self.lit(far));
-        let veiled = veiled.into_iter().flatten();
-        let veiled = veiled.map(|(run, pass)| (run, 1.0 - pass));
-        dark.chain(veiled.filter(|(_, missing)| *missing > 0.0))
+    pub fn missing(&self, far: f64) -> impl Iterator<Item = (Run, DVec3)> {
+        let dark = self.dark.iter().map(|run| (*run, DVec3::ONE));
+        let dimmed = (!self.is_plain()).then(|| self.left(far));
+        let dimmed = dimmed.into_iter().flatten();
+        let dimmed = dimmed.map(|(run, left)| (run, (1.0 - left).max(DVec3::ZERO)));
+        dark.chain(dimmed.filter(|(_, missing)| *missing != DVec3::ZERO))
     }
 }
 
@@ -164,8 +233,9 @@ mod tests {
                 veil([2.5, 8.0], 2, 0.25),
                 veil([6.0, 7.0], 2, 0.25),
             ],
+            tinted: Vec::new(),
         };
-        let lit = shade.lit(10.0);
+        let lit = shade.lit_in_part(10.0);
         assert_eq!(
             lit,
             [
@@ -181,9 +251,43 @@ mod tests {
         );
         let missing: f64 = shade
             .missing(10.0)
-            .map(|([a, b], share)| share * (b - a))
+            .map(|([a, b], share)| share.x * (b - a))
             .sum();
         let reaching: f64 = lit.iter().map(|([a, b], share)| share * (b - a)).sum();
         assert!((missing + reaching - 10.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn panes_colour_what_is_lit() {
+        let red = DVec3::new(0.5, 0.25, 0.0);
+        let tinted = |run: Run, through: DVec3| Tinted { run, through };
+        let shade = Shade {
+            dark: vec![[4.0, 5.0]],
+            veiled: vec![Veiled {
+                run: [6.0, 7.0],
+                kind: 1,
+                pass: 0.5,
+            }],
+            tinted: vec![
+                tinted([2.0, 4.5], red),
+                tinted([1.0, 2.0], red),
+                tinted([3.0, 6.5], DVec3::splat(0.5)),
+            ],
+        };
+        let expected = [
+            ([0.0, 1.0], DVec3::ONE),
+            ([1.0, 3.0], red),
+            ([3.0, 4.0], 0.5 * red),
+            ([5.0, 6.0], DVec3::splat(0.5)),
+            ([6.0, 6.5], DVec3::splat(0.25)),
+            ([6.5, 7.0], DVec3::splat(0.5)),
+            ([7.0, 8.0], DVec3::ONE),
+        ];
+        assert_eq!(shade.lit(8.0), expected);
+        let sum = |runs: &mut dyn Iterator<Item = (Run, DVec3)>| -> DVec3 {
+            runs.map(|([a, b], share)| share * (b - a)).sum()
+        };
+        let all = sum(&mut shade.missing(8.0)) + sum(&mut shade.lit(8.0).into_iter());
+        assert!((all - 8.0).abs().max_element() < 1e-12);
     }
 }

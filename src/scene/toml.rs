@@ -7,6 +7,7 @@ use super::camera::{Camera, Projection};
 use super::files::SceneFiles;
 use super::filling::{Filling, MediumTable, Wrong};
 use super::lamp::LightTable;
+use super::pane::{self, PaneTable};
 use super::placement::{self, Placement};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
 use crate::error::{Error, Result};
@@ -52,6 +53,9 @@ struct SceneFile {
     /// Lamps; those of the mesh take part by themselves.
     #[serde(default)]
     light: Vec<LightTable>,
+    /// Materials of the mesh that are glass.
+    #[serde(default)]
+    pane: Vec<PaneTable>,
     /// How the scene is pictured when no flag says otherwise.
     picture: Option<PictureTable>,
 }
@@ -291,6 +295,7 @@ pub(super) fn load(
         let lamps = light.read(i, path, within, &scene.nodes, &wrong, &mut scene.warnings)?;
         scene.lamps.extend(lamps);
     }
+    pane::read(file.pane, path, &mut scene, &wrong)?;
     if let Some(picture) = file.picture {
         scene.picture = PictureEntry {
             size: picture.size,

@@ -408,7 +408,7 @@ mod tests {
                 alpha: 1.0,
                 texture: None,
                 alpha_mode: AlphaMode::Opaque,
-                transmissive: false,
+                pane: None,
             }],
             mesh: Mesh {
                 normals: vec![DVec3::ZERO; positions.len()],

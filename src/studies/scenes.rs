@@ -54,7 +54,7 @@ pub fn material(base_color: f64) -> Material {
         alpha: 1.0,
         texture: None,
         alpha_mode: AlphaMode::Opaque,
-        transmissive: false,
+        pane: None,
     }
 }
 

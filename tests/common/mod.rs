@@ -11,6 +11,7 @@ pub mod lamps;
 pub mod night;
 pub mod obj;
 pub mod own_effects;
+pub mod panes;
 pub mod receive;
 pub mod rooms;
 pub mod scenes;

@@ -64,7 +64,7 @@ pub(super) fn integrate(
     conditions: &Conditions,
     met: &Met<'_>,
     ray: &Ray,
-    runs: &[(Run, f64)],
+    runs: &[(Run, DVec3)],
     care: &Care,
 ) -> DVec3 {
     let is_closed = matches!(care.integrator, Integrator::Glow | Integrator::Airlight);
@@ -86,7 +86,7 @@ pub(super) fn integrate(
         spot.radius,
     )
     .shaped(pattern, &met.bends, care.error);
-    let run = |([from, to], pass): &(Run, f64)| {
+    let run = |([from, to], pass): &(Run, DVec3)| {
         pass * match care.integrator {
             Integrator::Equiangular => scattering.sample(*from, *to, &care.nodes),
             _ => scattering.integrate(*from, *to),
@@ -100,7 +100,7 @@ fn in_closed_form(
     conditions: &Conditions,
     met: &Met<'_>,
     ray: &Ray,
-    runs: &[(Run, f64)],
+    runs: &[(Run, DVec3)],
     care: &Care,
 ) -> Option<DVec3> {
     let Met {
@@ -133,14 +133,17 @@ fn in_closed_form(
     let from_enter = |run: &Run| run.map(|t| t - air.enter);
     let strength = spot.share / (4.0 * PI) * air.scattering;
     if care.integrator == Integrator::Airlight {
-        let run = |(run, pass): &(Run, f64)| {
+        let run = |(run, pass): &(Run, DVec3)| {
             let [from, to] = from_enter(run);
             *pass * each(&|extinction| light.exact(extinction, from, to))
         };
         return Some(strength * runs.iter().map(run).sum::<DVec3>());
     }
     // The whole of the ray in one: nothing stands in the way.
-    let [(run, 1.0)] = runs else {
+    let Some((run, _)) = runs
+        .first()
+        .filter(|(_, pass)| runs.len() == 1 && *pass == DVec3::ONE)
+    else {
         return None;
     };
     let [from, to] = from_enter(run);

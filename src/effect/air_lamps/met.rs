@@ -45,13 +45,13 @@ impl<'a> Met<'a> {
         self.lamp.intensity * self.spot.tint
     }
 
-    /// The runs of the ray that its light reaches [m], and the share of it that does.
+    /// The runs of the ray that its light reaches [m], and what is left of it there and on the way to the eye.
     pub fn lit_runs(
         &self,
         conditions: &Conditions,
         ray: &Ray,
         shades: &mut Vec<Shade>,
-    ) -> Vec<(Run, f64)> {
+    ) -> Vec<(Run, DVec3)> {
         let [from, to] = self.span;
         let part = Ray {
             origin: ray.at(from),
@@ -60,12 +60,14 @@ impl<'a> Met<'a> {
         let geometry = self.lamp.geometry(&conditions.geometry);
         geometry.shades(&part, to - from, &[Lamp::beam(&self.spot)], shades);
         let lit = shades.first().map(|shade| shade.lit(to - from));
-        let along = |([a, b], pass): (Run, f64)| {
+        let along = |([a, b], pass): (Run, DVec3)| {
             // The end of the part is that of the run, without rounding.
             let end = if b == to - from { to } else { from + b };
             ([from + a, end], pass)
         };
-        lit.unwrap_or_default().into_iter().map(along).collect()
+        let lit = lit.unwrap_or_default().into_iter().map(along).collect();
+        // Panes before the eye do not depend on the lamp.
+        conditions.geometry.sighted(ray, to).of(lit)
     }
 }
 

@@ -34,7 +34,12 @@ impl<'c> Rows<'c> {
     }
 
     /// The runs of a ray that the light of a spot reaches [m], and the share of it that does; `None` of a ray that has no row.
-    pub fn lit_runs(&self, met: &Met<'_>, ray: &Ray, shade: &mut Shade) -> Option<Vec<(Run, f64)>> {
+    pub fn lit_runs(
+        &self,
+        met: &Met<'_>,
+        ray: &Ray,
+        shade: &mut Shade,
+    ) -> Option<Vec<(Run, DVec3)>> {
         let camera = &self.conditions.view.camera;
         if let Projection::Orthographic { .. } = camera.projection {
             return None;
@@ -66,7 +71,7 @@ impl<'c> Rows<'c> {
         });
         let [from, to] = met.span;
         row.shade([ray.direction.dot(way.direction), aside], to, shade);
-        let within = |([a, b], pass): (Run, f64)| {
+        let within = |([a, b], pass): (Run, DVec3)| {
             let run = [a.max(from), b.min(to)];
             (run[1] > run[0]).then_some((run, pass))
         };

@@ -50,7 +50,8 @@ impl Around {
 /// The least box around everything that stands in the air, triangles and bounded media; `None` if nothing does.
 pub fn bounds(conditions: &Conditions) -> Option<[DVec3; 2]> {
     let geometry = &conditions.geometry;
-    let mut bounds = (geometry.triangle_count() > 0).then(|| {
+    let is_there = geometry.triangle_count() > 0 || geometry.panes().is_some();
+    let mut bounds = is_there.then(|| {
         let (low, high) = geometry.bounds();
         [low, high]
     });

@@ -167,7 +167,7 @@ impl Lattice {
         *self.pairs.place(cell).get_or_init(|| {
             let corners = cell.corners().map(|corner| corner.position());
             let (low, high) = self.geometry.bounds();
-            if self.geometry.triangle_count() == 0
+            if self.geometry.triangle_count() == 0 && self.geometry.panes().is_none()
                 || corners[0].cmpgt(high).any()
                 || corners[7].cmplt(low).any()
             {
@@ -178,7 +178,7 @@ impl Lattice {
         })
     }
 
-    /// Whether nothing that stops all light stands between two places.
+    /// Whether nothing stands between two places that stops all light, or colours it.
     pub fn sees(&self, from: DVec3, to: DVec3) -> bool {
         let way = to - from;
         let distance = way.length();
@@ -189,7 +189,11 @@ impl Lattice {
             origin: from,
             direction: way / distance,
         };
-        !self.geometry.occluded(&ray, 0.0, distance)
+        let is_coloured = self
+            .geometry
+            .panes()
+            .is_some_and(|panes| !panes.crossings(&ray, 0.0, distance).is_empty());
+        !is_coloured && !self.geometry.occluded(&ray, 0.0, distance)
     }
 }
 

@@ -254,9 +254,9 @@ fn extension(name: &str, kind: &Kind, notes: &mut Notes) {
     let read_here = match name {
         "EXT_mesh_gpu_instancing" | "KHR_node_visibility" => kind.name == "node",
         "KHR_lights_punctual" => matches!(kind.name, "node" | "file"),
-        "KHR_materials_pbrSpecularGlossiness" | "KHR_materials_emissive_strength" => {
-            kind.name == "material"
-        }
+        "KHR_materials_pbrSpecularGlossiness"
+        | "KHR_materials_emissive_strength"
+        | "KHR_materials_transmission" => kind.name == "material",
         "KHR_texture_transform" => {
             matches!(
                 kind.name,

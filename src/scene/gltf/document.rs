@@ -60,6 +60,8 @@ json! {
     }
     /// KHR_materials_emissive_strength.
     EmissiveStrength { emissive_strength: Option<f64> }
+    /// KHR_materials_transmission.
+    Transmission { transmission_factor: f64, transmission_texture: Option<TextureRef> }
     TextureRef { index: usize, tex_coord: u32, extensions: Map<String, Value> }
     TextureEntry { name: Option<String>, sampler: Option<usize>, source: Option<usize>, extensions: Map<String, Value> }
     ImageEntry { name: Option<String>, uri: Option<String>, buffer_view: Option<usize> }

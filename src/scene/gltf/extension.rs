@@ -26,7 +26,7 @@ const fn extension(name: &'static str, what: &'static str, role: Role) -> Extens
 }
 
 /// The extensions that are known one by one.
-const KNOWN: [Extension; 29] = [
+const KNOWN: [Extension; 30] = [
     extension("EXT_mesh_gpu_instancing", "mesh instancing", Role::Read),
     extension("KHR_lights_punctual", "lamps", Role::Read),
     extension(
@@ -39,6 +39,7 @@ const KNOWN: [Extension; 29] = [
         "strength of emission",
         Role::Read,
     ),
+    extension("KHR_materials_transmission", "panes", Role::Read),
     extension("KHR_mesh_quantization", "quantized vertices", Role::Read),
     extension("KHR_node_visibility", "visibility of nodes", Role::Read),
     extension("KHR_texture_transform", "moved textures", Role::Read),

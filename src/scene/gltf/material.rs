@@ -3,14 +3,14 @@
 
 use super::container::Gltf;
 use super::document::{
-    EmissiveStrength, MaterialEntry, SpecularGlossiness, TextureRef, TextureTransform,
+    EmissiveStrength, MaterialEntry, SpecularGlossiness, TextureRef, TextureTransform, Transmission,
 };
 use super::notes::{Notes, number, shown};
 use crate::error::Result;
 use crate::scene::assembly::{decode_image, most_texels};
 use crate::scene::emission::MOST_LUMINANCE;
 use crate::scene::text::shortened;
-use crate::scene::{AlphaMode, Emission, Material, Texture, Wrap};
+use crate::scene::{AlphaMode, Emission, Material, Pane, Texture, Wrap};
 use crate::warning::Warning;
 use glam::{DAffine2, DMat2, DVec2, DVec3};
 use serde::de::DeserializeOwned;
@@ -21,7 +21,8 @@ use std::collections::BTreeMap;
 /// The materials of a file, and last the one of surfaces without any.
 pub(super) struct Materials {
     pub list: Vec<Material>,
-    /// The texture of each by which its texture coordinates go: the base colour's, otherwise the emissive one.
+    /// The texture of each by which its texture coordinates go: the base colour's, otherwise that of what it lets through, otherwise the
+    /// emissive one.
     pub uses: Vec<Option<TextureUse>>,
     pub textures: Vec<Texture>,
     /// Of those that shine.
@@ -29,7 +30,7 @@ pub(super) struct Materials {
 }
 
 /// Which texture coordinates a texture is read at.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(super) struct TextureUse {
     pub set: u32,
     offset: DVec2,
@@ -109,7 +110,7 @@ impl Materials {
             alpha: 1.0,
             texture: None,
             alpha_mode: AlphaMode::Opaque,
-            transmissive: false,
+            pane: None,
         });
         Ok(Materials {
             list,
@@ -185,10 +186,18 @@ impl Reader<'_, '_> {
                 self.notes.of_material(what);
             }
         }
-        let transmission = entry
-            .extensions
-            .get("KHR_materials_transmission")
-            .and_then(|transmission| transmission.get("transmissionFactor")?.as_f64());
+        let transmission: Option<Transmission> = extension(
+            gltf,
+            &entry.extensions,
+            "KHR_materials_transmission",
+            &place,
+        )?;
+        let transmission =
+            transmission.filter(|transmission| transmission.transmission_factor != 0.0);
+        if transmission.is_some() && pbr.roughness_factor.unwrap_or(1.0) > 0.0 {
+            self.notes
+                .of_material("roughness of a pane, which blurs what is behind it");
+        }
 
         let (key, factor, reference) = match &gloss {
             Some(gloss) => (
@@ -231,6 +240,10 @@ impl Reader<'_, '_> {
             used = Some(self.texture_use(reference, &place)?);
             texture = self.texture(reference.index, &place, "base colour texture")?;
         }
+        let pane = match &transmission {
+            Some(transmission) => self.pane(transmission, &place, &mut used)?,
+            None => None,
+        };
         let material = Material {
             name: entry
                 .name
@@ -241,7 +254,7 @@ impl Reader<'_, '_> {
             alpha,
             texture,
             alpha_mode,
-            transmissive: transmission.unwrap_or(0.0) > 0.0,
+            pane,
         };
         Ok((material, used))
     }
@@ -304,6 +317,44 @@ impl Reader<'_, '_> {
             }
         }
         Ok(Some(emission))
+    }
+
+    /// What a material lets through; a texture is read at the coordinates of the base colour's, which are the only ones.
+    fn pane(
+        &mut self,
+        transmission: &Transmission,
+        place: &str,
+        used: &mut Option<TextureUse>,
+    ) -> Result<Option<Pane>> {
+        let factor = self.held(
+            transmission.transmission_factor,
+            "transmissionFactor",
+            place,
+        );
+        if factor == 0.0 {
+            return Ok(None);
+        }
+        let mut red = None;
+        if let Some(reference) = &transmission.transmission_texture {
+            let own = self.texture_use(reference, place)?;
+            if own == *used.get_or_insert(own) {
+                red = self.texture(reference.index, place, "transmission texture")?;
+            } else {
+                self.notes.of_material(
+                    "transmission texture that is laid otherwise than the base colour's",
+                );
+            }
+        }
+        if factor < 1.0 || red.is_some() {
+            self.notes
+                .of_material("reflection of a material that lets a part of the light through");
+        }
+        Ok(Some(Pane {
+            transmittance: DVec3::splat(factor),
+            is_tinted: true,
+            red,
+            ..Pane::CLEAR
+        }))
     }
 
     /// A share of the light that arrives, held in 0 to 1.

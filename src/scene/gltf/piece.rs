@@ -49,11 +49,18 @@ pub(super) fn read(
     let set = format!("TEXCOORD_{}", used.map_or(0, |used| used.set));
     let uvs = match used {
         Some(_) => pairs(gltf, all, &set, &by)?.unwrap_or_default(),
-        None => Vec::new(),
+        // A scene file may lay a picture by them; what is wrong with them is nothing to say otherwise.
+        None => pairs(gltf, all, &set, &by)
+            .ok()
+            .flatten()
+            .filter(|uvs| uvs.len() == positions.len() && uvs.iter().all(|uv| uv.is_finite()))
+            .unwrap_or_default(),
     };
     let emission = materials.emissions.get(&(material as u32));
-    let is_textured =
-        materials.list[material].texture.is_some() || emission.is_some_and(|e| e.texture.is_some());
+    let shown = &materials.list[material];
+    let is_textured = shown.texture.is_some()
+        || shown.pane.as_ref().is_some_and(|pane| pane.red.is_some())
+        || emission.is_some_and(|e| e.texture.is_some());
     if used.is_some() && uvs.is_empty() && is_textured {
         notes.leave_out(format!(
             "texture on a surface without {set}, which gets its first texel"
