@@ -8,13 +8,13 @@ use common::shafts;
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
 use tyndall::backend::reference::Reference;
-use tyndall::backend::{Backend, Limits, Wanted};
-use tyndall::conditions::{CameraChoice, Conditions, Receiver, Request, Sun, View};
+use tyndall::backend::{Limits, Wanted};
+use tyndall::conditions::{CameraChoice, Conditions, Request, Sun};
 use tyndall::effect::Field;
 use tyndall::medium::{Phase, Shape};
 use tyndall::photometry::Distribution;
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{Camera, LampEntry, LampForm, PunctualKind, PunctualLight, Scene};
+use tyndall::scene::{Camera, LampEntry, LampForm, PunctualKind, PunctualLight};
 use tyndall::studies::scenes::fog;
 
 #[test]

@@ -386,7 +386,7 @@ impl Ord for Side {
 }
 
 /// Whether a square is larger than its share of something that stands on it, or no farther from it than it is wide; one of the ground
-/// also than that of the height of a lamp above it.
+/// also than the height of a lamp above it.
 fn wants_quarters(
     conditions: &Conditions,
     face: &Face,
@@ -411,7 +411,7 @@ fn wants_quarters(
         (low, high) = (low - 0.5 * reach, high + 0.5 * reach);
         let under_lamp = conditions.lamps.iter().any(|lamp| {
             let (at, height) = (plane.flat(lamp.middle()), plane.height(lamp.middle()));
-            (0.0..least).contains(&height) && at.cmpge(low).all() && at.cmple(high).all()
+            (0.0..square.side).contains(&height) && at.cmpge(low).all() && at.cmple(high).all()
         });
         if under_lamp {
             return true;

@@ -13,7 +13,7 @@ macro_rules! files {
 }
 
 /// What each is, with its files. The first is what is pictured without a scene.
-const EMBEDDED: [(&str, &str, SceneFiles); 6] = [
+const EMBEDDED: [(&str, &str, SceneFiles); 7] = [
     (
         "nave",
         "a church nave on an autumn morning",
@@ -43,6 +43,11 @@ const EMBEDDED: [(&str, &str, SceneFiles); 6] = [
         "smoke",
         "clouds of smoke in two beams",
         files!("scenes/smoke": "smoke.toml", "smoke.glb"),
+    ),
+    (
+        "window",
+        "sunlight through stained glass into a dark room",
+        files!("scenes/window": "window.toml", "window.glb", "window.png"),
     ),
 ];
 

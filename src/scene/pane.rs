@@ -1,6 +1,7 @@
 //! What makes a material a pane: the table `[[pane]]` of a scene file, and what it says of a material.
 
 use super::assembly::decode_image;
+use super::files::{SceneFiles, file_of};
 use super::filling::Wrong;
 use super::glass::MOST_PANES;
 use super::{Scene, Texture, Wrap};
@@ -10,6 +11,7 @@ use crate::warning::Warning;
 use glam::{DVec2, DVec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Glass: a material that lets light straight through, by its angle ([`super::glass`]), and shows nothing of itself.
@@ -66,6 +68,7 @@ enum Share {
 pub(super) fn read(
     tables: Vec<PaneTable>,
     scene_file: &Path,
+    within: Option<SceneFiles>,
     scene: &mut Scene,
     wrong: Wrong,
 ) -> Result<()> {
@@ -78,13 +81,19 @@ pub(super) fn read(
             let problem = format!("there is a table for `{name}` already");
             return Err(wrong("material", problem, "put both into one table"));
         }
-        table.read(scene_file, scene, &wrong)?;
+        table.read(scene_file, within, scene, &wrong)?;
     }
     Ok(())
 }
 
 impl PaneTable {
-    fn read(&self, scene_file: &Path, scene: &mut Scene, wrong: Wrong) -> Result<()> {
+    fn read(
+        &self,
+        scene_file: &Path,
+        within: Option<SceneFiles>,
+        scene: &mut Scene,
+        wrong: Wrong,
+    ) -> Result<()> {
         let materials = &scene.materials;
         let named: Vec<usize> = (0..materials.len())
             .filter(|k| materials[*k].name == self.material)
@@ -122,7 +131,7 @@ impl PaneTable {
         }
         let image = match &self.image {
             Some(image) => {
-                let texture = self.image(scene_file, image, wrong)?;
+                let texture = self.image(scene_file, within, image, wrong)?;
                 if texture.pixels.iter().any(|pixel| pixel[3] < 255) {
                     let warning = mend("its image has an alpha channel", "alpha is left out");
                     scene.warnings.push(warning);
@@ -145,16 +154,30 @@ impl PaneTable {
         Ok(())
     }
 
-    fn image(&self, scene_file: &Path, image: &str, wrong: Wrong) -> Result<Texture> {
-        let path = scene_file.parent().unwrap_or(Path::new("")).join(image);
-        let bytes = file::read(&path, file::LARGEST).map_err(|error| {
-            let problem = match error {
-                Error::File { source, .. } => format!("cannot read {}: {source}", path.display()),
-                error => error.problem(),
-            };
-            let remedy = "the name is relative to the scene file: check its spelling";
-            wrong("image", problem, remedy)
-        })?;
+    fn image(
+        &self,
+        scene_file: &Path,
+        within: Option<SceneFiles>,
+        image: &str,
+        wrong: Wrong,
+    ) -> Result<Texture> {
+        let path = scene_file.with_file_name(image);
+        let read = || {
+            file::read(&path, file::LARGEST).map_err(|error| {
+                let problem = match error {
+                    Error::File { source, .. } => {
+                        format!("cannot read {}: {source}", path.display())
+                    }
+                    error => error.problem(),
+                };
+                let remedy = "the name is relative to the scene file: check its spelling";
+                wrong("image", problem, remedy)
+            })
+        };
+        let bytes = match within.and_then(|files| file_of(files, image)) {
+            Some(bytes) => Cow::Borrowed(bytes),
+            None => Cow::Owned(read()?),
+        };
         decode_image(image, &bytes, [Wrap::Repeat; 2])
             .map_err(|problem| wrong("image", problem, "save the picture as PNG or JPEG"))
     }

@@ -295,7 +295,7 @@ pub(super) fn load(
         let lamps = light.read(i, path, within, &scene.nodes, &wrong, &mut scene.warnings)?;
         scene.lamps.extend(lamps);
     }
-    pane::read(file.pane, path, &mut scene, &wrong)?;
+    pane::read(file.pane, path, within, &mut scene, &wrong)?;
     if let Some(picture) = file.picture {
         scene.picture = PictureEntry {
             size: picture.size,

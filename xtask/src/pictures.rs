@@ -3,7 +3,7 @@
 use std::process::{Command, ExitCode};
 
 /// The scenes, in the order in which the documentation shows them.
-const SCENES: [&str; 5] = ["teapot", "stage", "street", "dry-ice", "smoke"];
+const SCENES: [&str; 6] = ["teapot", "stage", "street", "dry-ice", "smoke", "window"];
 
 /// Renders all of them, or those named.
 pub fn run(named: Vec<String>) -> ExitCode {

@@ -140,12 +140,9 @@ fn in_closed_form(
         return Some(strength * runs.iter().map(run).sum::<DVec3>());
     }
     // The whole of the ray in one: nothing stands in the way.
-    let Some((run, _)) = runs
+    let (run, _) = runs
         .first()
-        .filter(|(_, pass)| runs.len() == 1 && *pass == DVec3::ONE)
-    else {
-        return None;
-    };
+        .filter(|(_, pass)| runs.len() == 1 && *pass == DVec3::ONE)?;
     let [from, to] = from_enter(run);
     let off = each(&|extinction| light.glow_error(extinction, from, to));
     let is_whole = *run == *span && off.max_element() <= care.error;
