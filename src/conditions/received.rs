@@ -3,7 +3,7 @@
 //! A point is one shadow ray in f64. A line, a rectangle or a sphere is divided: cells are halved each way until what they differ by
 //! is below a share of the lamp's light, so that penumbrae have no noise and no steps wider than that share.
 //!
-//! Surfaces that shine are divided too, from clusters of triangles down to parts of one (see [`super::faces`]): first until each is
+//! Surfaces that shine are divided too, from clusters of triangles down to parts of one (see `super::faces`): first until each is
 //! small as seen from the place, then where shadows fall between them.
 //!
 //! Lamps are gone through by the light that they would give if nothing stood in the way; the last, which together could add less than

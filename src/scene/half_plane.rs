@@ -1,7 +1,7 @@
 //! What cuts a half-plane that a line through an eye and a lamp bounds: the same for all rays from the eye in it.
 //!
 //! In the half-plane the line from the eye over the lamp is x, and y >= 0 lies across. Every triangle that it cuts is a line there, and
-//! darkens the interval of a ray onto which that is projected from the lamp, as in the fan of a single ray ([`super::fan`]).
+//! darkens the interval of a ray onto which that is projected from the lamp, as in the fan of a single ray (`super::fan`).
 
 use super::Ray;
 use super::geometry::Geometry;
