@@ -593,7 +593,7 @@ impl fmt::Display for Warning {
                 beside,
             } => write!(
                 f,
-                "emission of at most {} cd/m2 is not seen beside about {} cd/m2 under sun and sky, and left out: {}",
+                "emission of at most {} cd/m2 is little beside the {} cd/m2 of open ground under sun and sky, and left out: {}",
                 figure(*brightest),
                 figure(*beside),
                 quoted(materials)

@@ -13,8 +13,9 @@ use tyndall::backend::{Backend, Limits, Wanted};
 use tyndall::conditions::{Conditions, Receiver, View};
 use tyndall::effect::Field;
 use tyndall::medium::Phase;
+use tyndall::photometry::Distribution;
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{Camera, Emission, LampEntry, LampForm, Scene, Texture, Wrap};
+use tyndall::scene::{Camera, Emission, LampEntry, LampForm, Scene, SiteEntry, Texture, Wrap};
 use tyndall::studies::scenes::Corners;
 
 /// Triangles of a parallelogram, whose front is where `u` turns to `v` counter-clockwise.
@@ -587,7 +588,7 @@ fn a_faint_surface_costs_nothing_by_day_and_shines_at_night() {
     let said: Vec<String> = day.warnings.iter().map(|w| w.to_string()).collect();
     assert!(
         said.iter()
-            .any(|w| w.contains("emission of at most 1 cd/m2 is not seen")),
+            .any(|w| w.contains("emission of at most 1 cd/m2 is little beside")),
         "{said:?}"
     );
     let plan = Plan::new(&day, &Overrules::default()).expect("the plan is sound");
@@ -644,4 +645,88 @@ fn a_ball_of_thousands_of_triangles_lights_as_a_ball() {
         2e-3,
         "flux",
     );
+}
+
+#[test]
+fn a_sign_that_was_lost_by_day_lights_its_room_by_night() {
+    let room = cuboid(dvec3(-2.0, 0.0, -2.0), dvec3(2.0, 3.0, 2.0));
+    let sign = panel(dvec3(-0.5, 1.2, -1.9), DVec3::X, DVec3::Y);
+    let mut scene = glowing(&room, &sign, DVec3::splat(0.5));
+    scene.site = Some(SiteEntry {
+        latitude_deg: 47.0,
+        longitude_deg: 4.0,
+        elevation: 0.0,
+        timezone: Some("UTC".into()),
+    });
+    scene.time = Some("2026-06-21T12:00".into());
+    let camera = Camera::look_at(dvec3(0.0, 1.5, 1.5), DVec3::NEG_Z, 1.0);
+    let noon = conditions(scene, camera, [8, 8]);
+    let is_said = |w: &tyndall::Warning| w.message().contains("is little beside");
+    assert!(noon.lamps.is_empty() && noon.warnings.iter().any(is_said));
+    let night = noon.at("2026-06-21T23:59").expect("the time is sound");
+    assert_eq!(night.lamps.len(), 1);
+    let overrules = Overrules {
+        set: LEAST.iter().map(|(k, v)| (k.to_string(), *v)).collect(),
+        ..Overrules::default()
+    };
+    let by = |backend: &mut Backend, seen: &Conditions| {
+        let plan = Plan::new(seen, &overrules).expect("the plan is sound");
+        let rendered = backend.render(&plan, &Limits::default(), &|_| {});
+        let frame = rendered.expect("it can be rendered").frame;
+        layer(&frame, Field::Indirect)
+    };
+    let mut kept = Backend::open(Wanted::Reference).expect("there is one");
+    by(&mut kept, &noon);
+    let mut fresh = Backend::open(Wanted::Reference).expect("there is one");
+    let found = by(&mut kept, &night);
+    assert!(found.iter().any(|v| v.y > 0.0));
+    assert_eq!(found, by(&mut fresh, &night));
+}
+
+#[test]
+fn glass_that_shines_is_named_and_gives_no_light() {
+    let sign = panel(dvec3(-0.5, 1.2, -1.9), DVec3::X, DVec3::Y);
+    let mut scene = glowing(&nothing(), &sign, DVec3::splat(500.0));
+    assert!(scene.has_lamps());
+    scene.materials[1].pane = Some(tyndall::scene::Pane::CLEAR);
+    assert!(!scene.has_lamps());
+    let lamp = lamp(dvec3(0.0, 3.0, 0.0), 10.0, Distribution::Isotropic);
+    scene.lamps = vec![lamp];
+    let seen = seen(scene);
+    assert_eq!(seen.lamps.len(), 1);
+    let is_said = |w: &tyndall::Warning| w.message().contains("lets light through and shines");
+    assert!(seen.warnings.iter().any(is_said), "{:?}", seen.warnings);
+}
+
+#[test]
+fn many_faces_that_look_all_ways_are_told_by_few() {
+    // 20 000 leaves turned all ways within a ball, far away and near by: as much light as each by itself, without a part for each.
+    let golden = |i: u32, k: f64| (f64::from(i) * k).fract();
+    let leaf = |i: u32| {
+        let at = dvec3(golden(i, 0.618), golden(i, 0.7549), golden(i, 0.5698)) - 0.5;
+        let u = dvec3(golden(i, 0.414), golden(i, 0.732), golden(i, 0.236)) - 0.5;
+        let v = u.any_orthonormal_vector();
+        [at, at + 0.01 * u.normalize(), at + 0.01 * v]
+    };
+    let leaves: Vec<Corners> = (0..20_000).map(leaf).collect();
+    let luminance = 1e4;
+    let scene = glowing(&nothing(), &leaves, DVec3::splat(luminance));
+    let points = [
+        (dvec3(0.0, -40.0, 0.0), DVec3::Y),
+        (dvec3(2.0, 0.3, 0.0), DVec3::NEG_X),
+    ];
+    let of = |[a, b, c]: &Corners, (point, normal): (DVec3, DVec3)| {
+        let across = 0.5 * (*b - *a).cross(*c - *a);
+        let way = (*a + *b + *c) / 3.0 - point;
+        let toward = way.normalize();
+        luminance * (-across.dot(toward)).max(0.0) * normal.dot(toward).max(0.0)
+            / way.length_squared()
+    };
+    let found = received(&scene, &points, Wanted::Reference, Field::Lights);
+    for (found, point) in found.iter().zip(points) {
+        // Nothing in the way: leaves cover a few percent of each other.
+        let all: f64 = leaves.iter().map(|leaf| of(leaf, point)).sum();
+        println!("{:?}: {found} {all}", point.0);
+        assert!(found.y < 1.02 * all && found.y > 0.6 * all, "{found} {all}");
+    }
 }

@@ -596,10 +596,14 @@ fn lamps_shine_through_panes() {
             }
             100.0 * scattering / (4.0 * PI) * sum * (last - first) / STEPS as f64 / aside
         });
+        let mut on_floor = None;
         for frame in pictures(&seen, Quality::High, &["radiosity", "air_sky"]) {
             let apart = off(&layer(&frame, Field::InscatterLights), &truth);
             eprintln!("{eye}: {:.3} %", 100.0 * apart);
             assert!(apart < 0.005, "{eye}: {apart}");
+            let lights = layer(&frame, Field::Lights);
+            let before = on_floor.get_or_insert(lights.clone());
+            assert!(off(&lights, before) < 1e-5, "{eye}");
         }
     }
 }

@@ -126,6 +126,8 @@ impl Conditions {
         }
         let moment = moment(&self.scene, &self.request, Some(time), self.air.ground)?;
         let mut warnings = warnings(&self.scene, &self.request, &self.geometry, &moment);
+        let of_lamps = |warning: &&Warning| matches!(warning, Warning::DarkLamps { .. });
+        warnings.extend(self.warnings.iter().filter(of_lamps).cloned());
         let lamps = seen_beside(&moment, &self.all_lamps, &mut warnings);
         Ok(Conditions {
             lit: Lit::new(&lamps, &self.geometry, self.ground).into(),
@@ -236,6 +238,15 @@ fn warnings(
     moment: &AtMoment,
 ) -> Vec<Warning> {
     let mut warnings = scene.warnings.clone();
+    for material in scene.emissions.keys() {
+        let material = &scene.materials[*material as usize];
+        if material.pane.is_some() {
+            warnings.push(Warning::Mended {
+                problem: format!("material `{}` lets light through and shines", material.name),
+                instead: "what it shines with is left out".to_owned(),
+            });
+        }
+    }
     warnings.extend(geometry.warnings().iter().cloned());
     if let Some(instant) = &moment.instant {
         warnings.extend(instant.moment.warnings.iter().cloned());

@@ -8,6 +8,7 @@ use super::spot::Spot;
 use crate::colour::{Space, luminance};
 use crate::scene::{Geometry, Ray, Scene};
 use glam::DVec3;
+use std::collections::VecDeque;
 
 /// Places of light lie so far before their face, as a share of the size of the scene: a face does not shade itself.
 const LIFT: f64 = 1e-8;
@@ -21,9 +22,14 @@ const LOOKUPS: usize = 1 << 22;
 /// Parts whose luminances differ by no more than this share of the brightest are one.
 const ALIKE: f64 = 0.02;
 
+/// A ray has no more parts of a surface that shines: of thousands of faces that look all ways, clusters stand for the rest.
+const MOST_ALONG: usize = 1024;
+
 /// Faces that shine.
 #[derive(Clone)]
 pub struct Faces {
+    /// Their material, by its number in the scene.
+    pub material: u32,
     all: Vec<Face>,
     /// The first is the root.
     nodes: Vec<Node>,
@@ -151,6 +157,7 @@ impl Faces {
             .fold(0.0, f64::max);
         let (low, high) = geometry.bounds();
         let mut faces = Faces {
+            material,
             candela: all.iter().map(|face| luminance(face.light)).sum(),
             all,
             nodes: Vec::new(),
@@ -407,16 +414,19 @@ impl Faces {
         let count = f64::from(count);
         let same_way = 1.0 - 1.0 / (count * count);
         let (_, whole) = self.ball();
-        let mut open = vec![self.whole()];
-        while let Some(part) = open.pop() {
+        let mut open = VecDeque::from([self.whole()]);
+        let mut count_found = 0;
+        while let Some(part) = open.pop_front() {
             let (middle, radius) = self.around(&part);
+            let is_full = count_found + open.len() >= MOST_ALONG;
             let foot = (middle - ray.origin).dot(ray.direction).clamp(0.0, end);
             let is_least = radius * count * count <= whole;
             let reach = if is_least { f64::INFINITY } else { 1.0 / count };
-            if self.is_small(&part, ray.at(foot), reach, same_way) {
+            if is_full || self.is_small(&part, ray.at(foot), reach, same_way) {
+                count_found += 1;
                 found(self.one(&part));
             } else {
-                self.divided(&part, |part| open.push(part));
+                self.divided(&part, |part| open.push_back(part));
             }
         }
     }

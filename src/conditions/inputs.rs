@@ -1,5 +1,6 @@
 //! What results are made of, so that they are made again only when that has changed.
 
+use super::lamps::Lamp;
 use super::{Conditions, GroundPlane, Sun, View};
 use crate::medium::Air;
 use crate::scene::{Geometry, Scene};
@@ -21,6 +22,8 @@ pub enum Input {
     Sky,
     /// Where the sun stands and what light it gives.
     Sun,
+    /// The lamps that give light.
+    Lamps,
     /// The camera and its picture, or the points that receive.
     View,
     /// The tile of the picture that a GPU works on, and the sample of its pixels.
@@ -40,7 +43,16 @@ enum State {
     Media(Air),
     Sky(Option<Arc<Sky>>),
     Sun(Sun),
+    Lamps(Arc<[Lamp]>),
     View(View),
+}
+
+/// Whether two selections of a scene's lamps are the same. That of a moment leaves out which surfaces shine too faintly then.
+fn same_lamps(a: &Arc<[Lamp]>, b: &Arc<[Lamp]>) -> bool {
+    let same = |a: &Lamp, b: &Lamp| {
+        a.name == b.name && a.position == b.position && a.intensity == b.intensity
+    };
+    Arc::ptr_eq(a, b) || a.len() == b.len() && a.iter().zip(b.iter()).all(|(a, b)| same(a, b))
 }
 
 impl PartialEq for State {
@@ -52,6 +64,7 @@ impl PartialEq for State {
             (State::Sky(None), State::Sky(None)) => true,
             (State::Sky(Some(a)), State::Sky(Some(b))) => Arc::ptr_eq(a, b),
             (State::Sun(a), State::Sun(b)) => a == b,
+            (State::Lamps(a), State::Lamps(b)) => same_lamps(a, b),
             (State::View(a), State::View(b)) => a == b,
             _ => false,
         }
@@ -71,6 +84,7 @@ impl Conditions {
             Input::Extinction => Some(State::Media(self.air.without_sun())),
             Input::Sky => Some(State::Sky(self.sky.clone())),
             Input::Sun => Some(State::Sun(self.sun)),
+            Input::Lamps => Some(State::Lamps(self.lamps.clone())),
             Input::View => Some(State::View(self.view.clone())),
             Input::Tile | Input::Beam => None,
         };

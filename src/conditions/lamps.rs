@@ -142,6 +142,11 @@ impl Lamp {
         Ok(lamps)
     }
 
+    /// The material of its faces, by its number in the scene, if it is a surface that shines.
+    pub fn material(&self) -> Option<u32> {
+        self.faces.as_ref().map(|faces| faces.material)
+    }
+
     /// The greatest luminance of its faces [cd/m2], if it is a surface that shines: no surface gets more of its light than one would
     /// that such a luminance surrounds.
     pub fn glow(&self) -> Option<f64> {

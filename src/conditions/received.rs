@@ -16,6 +16,7 @@ use super::{Conditions, GroundPlane};
 use crate::colour::luminance;
 use crate::scene::{Geometry, Ray};
 use glam::DVec3;
+use std::collections::VecDeque;
 
 /// How far lamps are divided, and how many left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,10 +185,7 @@ fn of_lamp(conditions: &Conditions, lamp: &Lamp, place: &Place, care: &Care) -> 
     let mut sum = DVec3::ZERO;
     while let Some((low, size, values)) = open.pop() {
         let values = &values[..count];
-        let each = values.iter().map(|v| v.max_element());
-        let most = each.clone().fold(0.0, f64::max);
-        let least = each.fold(f64::INFINITY, f64::min);
-        if most - least <= care.share * scale || size < FINEST {
+        if range(values) <= care.share * scale || size < FINEST {
             sum += values.iter().sum::<DVec3>();
             continue;
         }
@@ -213,6 +211,9 @@ const NODE: f64 = 0.577_350_269_189_625_8;
 
 /// No part of a lamp is smaller than this, as a share of it each way.
 const FINEST: f64 = 1.0 / 512.0;
+
+/// Of surfaces that shine a place tells no more parts than this: of thousands that look all ways, clusters stand for the rest.
+const MOST_PARTS: usize = 4096;
 
 /// What a place receives from surfaces that shine [lx, RGB].
 fn of_faces(
@@ -241,20 +242,22 @@ fn of_faces(
         faces.spots(part, |spot| sum += luminance(bare(&spot)));
         sum
     };
-    let mut open = vec![faces.whole()];
+    let mut open = VecDeque::from([faces.whole()]);
     let mut small = Vec::new();
     let mut scale = 0.0;
-    while let Some(part) = open.pop() {
+    // All alike, so that where there are too many all are coarse alike.
+    while let Some(part) = open.pop_front() {
         if is_dark(&part) {
             continue;
         }
         let is_small = faces.is_small(&part, place.position, reach(&part), same_way);
-        if is_small || is_finest(&part) {
+        let is_full = small.len() + open.len() >= MOST_PARTS;
+        if is_small || is_full || is_finest(&part) {
             let light = bare_part(&part);
             scale += light;
             small.push((part, light));
         } else {
-            faces.divided(&part, |part| open.push(part));
+            faces.divided(&part, |part| open.push_back(part));
         }
     }
     let largest = (1.0 + 1e-9) * scale / f64::from(care.cells * care.cells);
@@ -287,15 +290,20 @@ fn of_faces(
                 }
             }
         });
-        let shares = || through.iter().map(|share| share.max_element());
-        let (most, least) = (shares().fold(0.0, f64::max), shares().fold(1.0, f64::min));
-        if (most - least) * light > care.share * scale && !is_finest(&part) {
+        if range(&through) * light > care.share * scale && !is_finest(&part) {
             divide(&mut small);
         } else {
             sum += found;
         }
     }
     sum
+}
+
+/// By how much values differ, in the channel in which they do most: behind coloured glass in hue alone.
+fn range(values: &[DVec3]) -> f64 {
+    let most = values.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let least = values.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    (most - least).max_element()
 }
 
 /// Whether a part is divided no further.

@@ -179,8 +179,11 @@ fn decide(conditions: &Conditions) -> Decision {
     )
 }
 
-/// With no more spots than this none are left out for what others give elsewhere.
+/// With no more lamps than this none are left out for what others give elsewhere.
 const FEW: usize = 8;
+
+/// What is left out for that, of the share that is left out of a ray's own light [1]: dark rays beside bright ones keep theirs.
+const DARK: f64 = 0.02;
 
 /// So many rays tell what those of the picture get.
 const PROBES: usize = 32;
@@ -230,7 +233,8 @@ impl<'c> AirLamps<'c> {
             _ => None,
         };
         let rows = (integrator == Integrator::Rows)
-            .then(|| Rows::new(conditions, spots.len(), settings.get("rows") as usize));
+            .then(|| Rows::new(conditions, spots.len(), settings.get("rows") as usize))
+            .transpose()?;
         let mut lamps = AirLamps {
             conditions,
             rows,
@@ -251,8 +255,8 @@ impl<'c> AirLamps<'c> {
             left_out: settings.get("left_out"),
             negligible: 0.0,
         };
-        if lamps.spots.len() > FEW {
-            lamps.negligible = lamps.left_out * lamps.typical();
+        if conditions.lamps.len() > FEW {
+            lamps.negligible = DARK * lamps.left_out * lamps.typical();
         }
         Ok(lamps)
     }

@@ -105,7 +105,12 @@ fn centre(pixel: UVec2) -> glam::DVec2 {
 /// What comes to places of the air from whom: of the transport, whose patches it names.
 const LATTICE: Keep = Keep {
     name: "who lights the air",
-    reads: &[Input::Geometry, Input::Materials, Input::Extinction],
+    reads: &[
+        Input::Geometry,
+        Input::Materials,
+        Input::Extinction,
+        Input::Lamps,
+    ],
 };
 
 /// What the air of a picture sends to the eye: of [`LATTICE`], and of the light of all sources.

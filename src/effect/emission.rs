@@ -64,13 +64,7 @@ pub const EMISSION: Effect = Effect {
 /// The materials that shine, but for those that sun and sky outshine.
 fn shining(conditions: &Conditions) -> BTreeMap<u32, &Emission> {
     let lamps = &conditions.lamps;
-    let materials = &conditions.scene.materials;
-    let is_lamp = |material: u32| {
-        let name = &materials[material as usize].name;
-        lamps
-            .iter()
-            .any(|lamp| lamp.glow().is_some() && lamp.name == *name)
-    };
+    let is_lamp = |material: u32| lamps.iter().any(|lamp| lamp.material() == Some(material));
     let all = conditions.scene.emissions.iter();
     all.filter(|(material, _)| is_lamp(**material))
         .map(|(material, emission)| (*material, emission))

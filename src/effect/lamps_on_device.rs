@@ -47,6 +47,9 @@ pub fn fits_device(conditions: &Conditions, in_air: bool) -> Result<(), &'static
     if geometry.has_veils() {
         return Err("surfaces let a part of the light through");
     }
+    if geometry.panes().is_some() {
+        return Err("panes colour the light");
+    }
     if in_air && geometry.has_holes() {
         return Err("surfaces have holes");
     }

@@ -167,7 +167,12 @@ pub const RADIOSITY: Effect = Effect {
 /// Who sees whom.
 const TRANSPORT: Keep = Keep {
     name: "who sees whom",
-    reads: &[Input::Geometry, Input::Materials, Input::Extinction],
+    reads: &[
+        Input::Geometry,
+        Input::Materials,
+        Input::Extinction,
+        Input::Lamps,
+    ],
 };
 
 /// How bright all sources are.
@@ -179,6 +184,7 @@ const LIGHT: Keep = Keep {
         Input::Media,
         Input::Sky,
         Input::Sun,
+        Input::Lamps,
     ],
 };
 

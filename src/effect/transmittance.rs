@@ -1,4 +1,5 @@
-//! How much light the air lets through from the end of each ray to the eye: e^-tau, tau the optical depth.
+//! How much light air and glass let through from the end of each ray to the eye: e^-tau, tau the optical depth, times what panes
+//! leave.
 //!
 //! Coefficients of media that overlap add. Rays that meet nothing end where the air does (a height medium: at its `far`), and
 //! the clear air counts only on those that meet a surface: sky and sun hold it already ([`crate::medium`]). So the layer is
@@ -10,7 +11,7 @@ use super::{Contribution, Decision, Effect, Field, Over, Pass, Resource, When};
 /// Attenuation between eye and surface.
 pub const TRANSMITTANCE: Effect = Effect {
     name: "transmittance",
-    summary: "attenuation by the air between the eye and what it sees",
+    summary: "attenuation by air and glass between the eye and what it sees",
     reads: &[Field::Surface],
     writes: &[Field::Transmittance],
     decide: |conditions| {

@@ -9,9 +9,11 @@ use super::lamps::is_reached;
 use super::openings::{Openings, thinned};
 use super::patches::{Patches, Spot};
 use super::points::Seen;
-use super::pools::Pool;
+use super::pools::{Pool, WIDEST};
 use super::transport::{Detail, Look, Transport, WHOLE};
+use crate::colour::luminance;
 use crate::conditions::Conditions;
+use crate::conditions::lamps::Lamp;
 use crate::error::Result;
 use crate::scene::Ray;
 use crate::sky::patches::Subdivision;
@@ -92,7 +94,7 @@ impl Transport {
             detail,
             notes: Vec::new(),
         };
-        let pool = |lamp| Pool::of(&transport, lamp);
+        let pool = |lamp| transport.pool(lamp);
         transport.pools = conditions.lamps.iter().filter_map(pool).collect();
         let all = vec![true; transport.patches.all.len()];
         let (gaps, through) = match detail.hemicube {
@@ -326,6 +328,61 @@ impl Transport {
         row.extend(seen);
         merge(row);
         Ok(())
+    }
+
+    /// Where a narrow beam of a lamp meets a surface.
+    fn pool(&self, lamp: &Lamp) -> Option<Pool> {
+        let cone = lamp.distribution.cone();
+        if cone > WIDEST {
+            return None;
+        }
+        let ray = Ray {
+            origin: lamp.middle(),
+            direction: lamp.pose.toward,
+        };
+        let Conditions {
+            geometry, ground, ..
+        } = &self.conditions;
+        // Its own housing is in no one's way: the look goes on from right before what the beam meets.
+        let before = lamp.ignored().map_or(0.0, |_| {
+            let met = lamp.geometry(geometry).closest(&ray, 0.0, f64::INFINITY);
+            let ground = ground.map(|g| (g.height - ray.origin.y) / ray.direction.y);
+            let distances = [met.map(|hit| hit.distance), ground].into_iter().flatten();
+            let nearest = distances.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+            if nearest.is_finite() {
+                (1.0 - 1e-6) * nearest
+            } else {
+                0.0
+            }
+        });
+        let rest = Ray {
+            origin: ray.at(before),
+            ..ray
+        };
+        let looked = self.look(&rest, 0.0);
+        let Source::Patch(patch, _) = looked.source else {
+            return None;
+        };
+        let distance = before + looked.distance;
+        let mut radius = distance * cone.tan() + lamp.extent();
+        let mut reach = radius;
+        let normal = match self.patches.part(patch as usize) {
+            Some((face, part)) => {
+                // Its light is spread over tiles.
+                let tile = (part.high - part.low) / f64::from(1u32 << part.depth);
+                reach = radius + tile.length();
+                radius = radius.max(0.5 * tile.max_element());
+                face.plane.normal
+            }
+            None => -ray.direction,
+        };
+        Some(Pool {
+            point: ray.at(distance),
+            normal,
+            radius,
+            reach,
+            flux: luminance(self.patches.all[patch as usize].albedo) * lamp.flux(),
+        })
     }
 
     /// Looks for openings from the patches that light reaches.

@@ -365,6 +365,9 @@ impl Queue {
 /// The side of the square of ground that has patches of its own, over the scene's diagonal.
 const GROUND: f64 = 16.0;
 
+/// Of the ground's square, no lamp wants squares smaller than this share [1].
+const FLAT: f64 = 1e-3;
+
 /// Stands for the ground where a triangle's number is asked for.
 pub(super) const GROUND_TRIANGLE: u32 = u32::MAX;
 
@@ -411,7 +414,11 @@ fn wants_quarters(
         (low, high) = (low - 0.5 * reach, high + 0.5 * reach);
         let under_lamp = conditions.lamps.iter().any(|lamp| {
             let (at, height) = (plane.flat(lamp.middle()), plane.height(lamp.middle()));
-            (0.0..square.side).contains(&height) && at.cmpge(low).all() && at.cmple(high).all()
+            // One that stands on the ground has no height.
+            height >= 0.0
+                && square.side > height.max(FLAT * face.side)
+                && at.cmpge(low).all()
+                && at.cmple(high).all()
         });
         if under_lamp {
             return true;

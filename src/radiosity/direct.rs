@@ -8,6 +8,7 @@ use super::arrival::spread;
 use super::cells::{Face, Part};
 use super::tiles::{Tile, first};
 use glam::{DVec2, DVec3, Vec3};
+use std::collections::HashMap;
 
 /// Direct light on a patch.
 #[derive(Default)]
@@ -200,10 +201,13 @@ impl<F: Fn(DVec3) -> DVec3> Look<'_, F> {
             even[tile] = false;
         }
         let is_finest = level + 1 == self.part.depth;
-        let watched = match is_finest {
-            true => self.watched(level + 1),
-            false => Vec::new(),
-        };
+        let mut watched: HashMap<usize, usize> = HashMap::new();
+        if is_finest {
+            for (tile, places) in self.watched(level + 1) {
+                let most = watched.entry(tile).or_insert(places);
+                *most = places.max(*most);
+            }
+        }
         let [together, most] = self.edge;
         let uneven = 4 * even.iter().filter(|even| !**even).count();
         let edge = (together / uneven.max(1)).clamp(2, most);
@@ -213,8 +217,8 @@ impl<F: Fn(DVec3) -> DVec3> Look<'_, F> {
             if even[whole] {
                 return tiles[whole];
             }
-            let places = match watched.iter().find(|(tile, _)| *tile == k) {
-                Some((_, places)) => *places,
+            let places = match watched.get(&k) {
+                Some(places) => *places,
                 None if is_finest => edge,
                 None => 1,
             };

@@ -21,6 +21,9 @@ const LEVELS: [u32; 2] = [4, 9];
 /// The least share of a place's light that is worth a finer outline [1].
 const DIM: f64 = 0.004;
 
+/// About so many cells are quartered for one pool of lamp light at most.
+const POOL: usize = 4096;
+
 /// The fewest ways through a gap.
 const FEWEST: usize = 8;
 
@@ -296,9 +299,10 @@ impl Transport {
             }
         }
         for pool in looked_at(&self.pools, &self.conditions.geometry, origin, map) {
+            let most = view.squares.len() + POOL;
             for level in 0..LEVELS[1] {
                 let weight = whole / f64::from(n << level).powi(2);
-                if weight <= pool.weight {
+                if weight <= pool.weight || view.squares.len() > most {
                     break;
                 }
                 let is_on = |square: &Square| {

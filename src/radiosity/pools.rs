@@ -3,16 +3,13 @@
 //! They may be small and bright, and chance finds them as badly as it does openings. Every place looks at those that may give it much of
 //! its light, closely enough to know how much.
 
-use super::arrival::{Map, Source};
-use super::transport::Transport;
-use crate::colour::luminance;
-use crate::conditions::lamps::Lamp;
+use super::arrival::Map;
 use crate::scene::{Geometry, Ray};
 use glam::DVec3;
 use std::f64::consts::PI;
 
 /// The widest cone whose pool is looked at by itself [rad].
-const WIDEST: f64 = 0.8;
+pub(super) const WIDEST: f64 = 0.8;
 
 /// The most pools that a place looks at.
 const MOST: usize = 4;
@@ -23,58 +20,24 @@ const DIM: f64 = 0.05;
 /// So many cells of directions lie on a pool at least.
 const CELLS: f64 = 32.0;
 
+/// Seen more level than this a pool counts as seen at it, as the sine of the angle [1].
+const LOW: f64 = 0.05;
+
 /// Where the beam of a lamp meets a surface.
 pub(super) struct Pool {
     /// Its middle [m].
-    point: DVec3,
+    pub point: DVec3,
     /// Unit normal of the surface on the lamp's side.
-    normal: DVec3,
+    pub normal: DVec3,
     /// Its radius [m].
-    radius: f64,
+    pub radius: f64,
     /// How far from its middle tiles may have of its light [m].
-    reach: f64,
+    pub reach: f64,
     /// The flux that the surface sends on [lm].
-    flux: f64,
+    pub flux: f64,
 }
 
 impl Pool {
-    /// That of a lamp, if it has a narrow beam that meets anything.
-    pub fn of(transport: &Transport, lamp: &Lamp) -> Option<Self> {
-        let cone = lamp.distribution.cone();
-        if cone > WIDEST {
-            return None;
-        }
-        let ray = Ray {
-            origin: lamp.middle(),
-            direction: lamp.pose.toward,
-        };
-        let looked = transport.look(&ray, 0.0);
-        let Source::Patch(patch, _) = looked.source else {
-            return None;
-        };
-        let patches = &transport.patches;
-        let point = ray.at(looked.distance);
-        let mut radius = looked.distance * cone.tan() + lamp.extent();
-        let mut reach = radius;
-        let normal = match patches.part(patch as usize) {
-            Some((face, part)) => {
-                // Its light is spread over tiles.
-                let tile = (part.high - part.low) / f64::from(1u32 << part.depth);
-                reach = radius + tile.length();
-                radius = radius.max(0.5 * tile.max_element());
-                face.plane.normal
-            }
-            None => -ray.direction,
-        };
-        Some(Pool {
-            point,
-            normal,
-            radius,
-            reach,
-            flux: luminance(patches.all[patch as usize].albedo) * lamp.flux(),
-        })
-    }
-
     /// The most that a place may receive of it, up to a factor that is the same for all [lm/m2].
     fn at_most(&self, origin: DVec3) -> f64 {
         let way = origin - self.point;
@@ -107,7 +70,8 @@ impl Pool {
     fn weight(&self, origin: DVec3, map: &Map) -> f64 {
         let way = origin - self.point;
         let square = way.length_squared() + self.radius * self.radius;
-        let height = way.dot(self.normal).max(0.0);
+        // Low over it, or right before it, it fills more than this says of one far away.
+        let height = way.dot(self.normal).max(LOW * square.sqrt());
         let solid = PI * self.radius * self.radius * height / (square * square.sqrt());
         match map {
             Map::Sphere => solid,

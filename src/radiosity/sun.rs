@@ -92,7 +92,9 @@ fn by_spots(transport: &Transport, conditions: &Conditions, patch: usize) -> DVe
     let [few, many] = RAYS;
     let (mut sum, some) = lit(0..few);
     let mut count = few;
-    if some == [true, true] {
+    // Behind glass with a picture what is lit differs too.
+    let has_panes = conditions.geometry.panes().is_some();
+    if some == [true, true] || has_panes && some[1] {
         sum += lit(few..many).0;
         count = many;
     }

@@ -7,9 +7,10 @@
 use super::cut_out::texel;
 use super::glass::Incidence;
 use super::opacity::Opacities;
+use super::pane::FINEST;
 use super::shade::Run;
 use super::{Mesh, Pane, Scene, Texture};
-use crate::colour::{Space, srgb_decode};
+use crate::colour::{Space, srgb_decode, srgb_encode};
 use glam::{DMat3, DVec2, DVec3};
 
 /// What a part of a line lets through changes by no more than this [1].
@@ -20,6 +21,48 @@ const HALVINGS: u32 = 8;
 
 /// More borders of texels than this on a line are not told apart: far more than a picture shows.
 const BORDERS: f64 = 65_536.0;
+
+/// A picture of no more than [`FINEST`] texels each way: means of linear light, or of a channel that is linear.
+fn no_finer(picture: &Texture, is_linear: bool) -> Texture {
+    let size = [picture.width, picture.height];
+    let [width, height] = size.map(|texels| texels.min(FINEST));
+    if size == [width, height] {
+        return picture.clone();
+    }
+    let decode = |code: u8| match is_linear {
+        true => f64::from(code) / 255.0,
+        false => srgb_decode(f64::from(code) / 255.0),
+    };
+    let encode = |value: f64| match is_linear {
+        true => (255.0 * value).round() as u8,
+        false => (255.0 * srgb_encode(value)).round() as u8,
+    };
+    let decoded: [f64; 256] = std::array::from_fn(|code| decode(code as u8));
+    let range = |i: u32, of: u32, all: u32| {
+        let [from, to] = [i, i + 1].map(|i| (u64::from(i) * u64::from(all) / u64::from(of)) as u32);
+        from..to
+    };
+    let mean = |i: u32, j: u32| {
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for y in range(j, height, picture.height) {
+            for x in range(i, width, picture.width) {
+                let [r, g, b, _] = picture.pixels[y as usize * picture.width as usize + x as usize];
+                sum += DVec3::from_array([r, g, b].map(|code| decoded[usize::from(code)]));
+                count += 1.0;
+            }
+        }
+        let [r, g, b] = (sum / count).to_array().map(encode);
+        [r, g, b, 255]
+    };
+    let rows = (0..height).flat_map(|j| (0..width).map(move |i| (i, j)));
+    Texture {
+        name: picture.name.clone(),
+        width,
+        height,
+        pixels: rows.map(|(i, j)| mean(i, j)).collect(),
+        wrap: picture.wrap,
+    }
+}
 
 /// What the triangles of a tree of panes let through.
 pub(super) struct Glazing {
@@ -81,7 +124,7 @@ impl Glazing {
                 let shown = shown.into_iter().filter_map(|(index, red)| {
                     let index: usize = index?;
                     let number = *number[index].get_or_insert_with(|| {
-                        pictures.push(scene.textures[index].clone());
+                        pictures.push(no_finer(&scene.textures[index], red));
                         pictures.len() - 1
                     });
                     Some((number, red))
@@ -291,4 +334,33 @@ fn even(
         halvings - 1,
         found,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Wrap;
+
+    #[test]
+    fn fine_pictures_become_means_of_linear_light() {
+        let stripes = |i: u32| if i.is_multiple_of(2) { 0 } else { 255 };
+        let picture = Texture {
+            name: "stripes".into(),
+            width: 2 * FINEST,
+            height: 3,
+            pixels: (0..6 * FINEST).map(|i| [stripes(i); 4]).collect(),
+            wrap: [Wrap::Repeat; 2],
+        };
+        let coarse = no_finer(&picture, false);
+        assert_eq!([coarse.width, coarse.height], [FINEST, 3]);
+        let half = (255.0 * srgb_encode(0.5)).round() as u8;
+        assert!(coarse.pixels.iter().all(|p| *p == [half, half, half, 255]));
+        assert!(no_finer(&picture, true).pixels.iter().all(|p| p[0] == 128));
+        let small = Texture {
+            width: 4,
+            pixels: picture.pixels[..12].to_vec(),
+            ..picture
+        };
+        assert_eq!(no_finer(&small, false).pixels, small.pixels);
+    }
 }

@@ -313,7 +313,11 @@ impl Scene {
         let is_lamp = |light: &PunctualLight| light.kind != PunctualKind::Directional;
         let shines = || {
             let mut triangles = self.mesh.triangles.iter();
-            triangles.any(|t| self.emissions.contains_key(&t.material))
+            triangles.any(|t| {
+                // What lets light through shines with nothing.
+                let is_glass = self.materials[t.material as usize].pane.is_some();
+                !is_glass && self.emissions.contains_key(&t.material)
+            })
         };
         let has_lamps = !self.lamps.is_empty() || self.lights.iter().any(is_lamp);
         has_lamps || !self.emissions.is_empty() && shines()

@@ -15,6 +15,8 @@
 //! through, uncoloured and straight on. What is less than half there is left out, and what is more is there as a whole: a
 //! gradient becomes an edge, which a warning says.
 
+use super::pane::FINEST;
+use super::text::shortened;
 use super::{AlphaMode, Material, Scene, Texture};
 use crate::warning::Warning;
 
@@ -99,6 +101,31 @@ impl Opacities {
             opacities.of_panes.push(as_pane);
             if *triangles > 0 && as_pane.share > 0.0 {
                 panes.push(material.name.clone());
+                let shown = material.pane.iter().flat_map(|pane| {
+                    [
+                        material.texture.filter(|_| pane.is_tinted),
+                        pane.red,
+                        pane.image,
+                    ]
+                });
+                for picture in shown.flatten().map(|index| &scene.textures[index]) {
+                    let Texture {
+                        name,
+                        width,
+                        height,
+                        ..
+                    } = picture;
+                    if *width.max(height) > FINEST {
+                        opacities.warnings.push(Warning::Mended {
+                            problem: format!(
+                                "the picture `{}` of the glass `{}` has {width} x {height} texels",
+                                shortened(name),
+                                material.name
+                            ),
+                            instead: format!("means of {} each way at most", FINEST),
+                        });
+                    }
+                }
             }
             if *triangles == 0 || !reads_alpha {
                 continue;

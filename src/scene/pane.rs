@@ -14,6 +14,9 @@ use serde::Deserialize;
 use std::borrow::Cow;
 use std::path::Path;
 
+/// The most texels of a picture each way; of finer ones the mean of so many stands for them.
+pub(super) const FINEST: u32 = 512;
+
 /// Glass: a material that lets light straight through, by its angle ([`super::glass`]), and shows nothing of itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pane {

@@ -134,6 +134,7 @@ impl<'j> Job<'j> {
             schedule: Schedule::default(),
             fillings: Vec::new(),
             maps: None,
+            lamps: None,
             start_up,
         };
         maker.all()?;

@@ -99,6 +99,8 @@ pub struct Maker<'m, 'p> {
     pub schedule: Schedule,
     pub fillings: Vec<Filling>,
     pub maps: Option<BeamMaps>,
+    /// The lamps as the effect at hand has them, for all parts of its work.
+    pub lamps: Option<(&'static str, Texture)>,
     pub start_up: StartUp,
 }
 
@@ -472,8 +474,15 @@ impl<'p> Maker<'_, 'p> {
                     continue;
                 }
                 Resource::Lamps(make) => {
-                    let texels = make(conditions, settings);
-                    let lamps = self.store.texels(device, effect.name, texels)?;
+                    let made = self.lamps.take().filter(|(of, _)| *of == effect.name);
+                    let lamps = match made.filter(|_| part > 0) {
+                        Some((_, lamps)) => lamps,
+                        None => {
+                            let texels = make(conditions, settings);
+                            self.store.texels(device, effect.name, texels)?
+                        }
+                    };
+                    self.lamps = Some((effect.name, lamps.clone()));
                     bound.push(Bound::View(lamps.create_view(&Default::default())));
                     continue;
                 }

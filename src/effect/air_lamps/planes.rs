@@ -32,7 +32,7 @@ const PROBES: usize = 1024;
 /// Wider cones have the six sides of a cube for a light map [rad].
 const ONE_MAP: f64 = PI / 3.0;
 
-/// No more lattice points are kept, for all lamps together.
+/// No more lattice points and texels are kept, for all lamps together.
 const MOST_POINTS: usize = 1 << 26;
 
 /// Planes, and what they hold of each spot.
@@ -71,12 +71,12 @@ impl<'c> Planes<'c> {
         spots: &[(&Lamp, Spot)],
         [planes, lattice, map]: [usize; 3],
     ) -> Result<Self> {
-        let points = planes * lattice * lattice * spots.len();
+        let points = (planes * lattice * lattice + 6 * map * map).saturating_mul(spots.len());
         if points > MOST_POINTS {
             return Err(Error::input(
-                "air_lamps.planes, air_lamps.lattice",
-                format!("{points} points of lattices for all lamps, more than {MOST_POINTS}"),
-                "set fewer planes or lattice points, or another air_lamps.integrator",
+                "air_lamps.planes, air_lamps.lattice, air_lamps.map",
+                format!("{points} points and texels for all lamps, more than {MOST_POINTS}"),
+                "set fewer planes, lattice points or texels, or another air_lamps.integrator",
             ));
         }
         let mut all = Planes {

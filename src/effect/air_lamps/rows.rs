@@ -7,6 +7,7 @@
 
 use super::met::Met;
 use crate::conditions::Conditions;
+use crate::error::{Error, Result};
 use crate::scene::half_plane::HalfPlane;
 use crate::scene::shade::{Run, Shade};
 use crate::scene::{Projection, Ray};
@@ -23,14 +24,25 @@ pub(super) struct Rows<'c> {
     spots: Vec<Vec<OnceLock<HalfPlane>>>,
 }
 
+/// No more rows are kept, for all lamps together.
+const MOST_ROWS: usize = 1 << 22;
+
 impl<'c> Rows<'c> {
     /// So many rows for each of some spots.
-    pub fn new(conditions: &'c Conditions, spots: usize, rows: usize) -> Self {
+    pub fn new(conditions: &'c Conditions, spots: usize, rows: usize) -> Result<Self> {
+        let all = rows.saturating_mul(spots);
+        if all > MOST_ROWS {
+            return Err(Error::input(
+                "air_lamps.rows",
+                format!("{all} rows for all lamps, more than {MOST_ROWS}"),
+                "set fewer rows, or another air_lamps.integrator",
+            ));
+        }
         let empty = || (0..rows).map(|_| OnceLock::new()).collect();
-        Rows {
+        Ok(Rows {
             conditions,
             spots: (0..spots).map(|_| empty()).collect(),
-        }
+        })
     }
 
     /// The runs of a ray that the light of a spot reaches [m], and the share of it that does; `None` of a ray that has no row.
