@@ -184,14 +184,18 @@ fn every_key_stands_in_an_example_which_is_a_scene() {
         .map(|rest| rest.split("```").next().expect("an example ends"))
         .collect();
     assert!(examples.len() >= 5);
-    let folder = std::env::temp_dir().join(format!("tyndall-scene-page-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("there is room");
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
     let room = "mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl glass\nf 1/1 2/2 3/3\nusemtl housing\n\
                 f 3/3 2/2 1/1\n";
     std::fs::write(folder.join("room.obj"), room).expect("there is room");
     std::fs::write(folder.join("room.mtl"), "newmtl glass\nnewmtl housing\n")
         .expect("there is room");
-    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "Lamp.003"}]}"#;
+    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"name": "Lamp.003"}, {"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
     std::fs::write(folder.join("room.gltf"), gltf).expect("there is room");
     let ies = "IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 60\n0 45 90\n0\n100 80 0\n";
     std::fs::write(folder.join("lamp.ies"), ies).expect("there is room");
@@ -205,7 +209,6 @@ fn every_key_stands_in_an_example_which_is_a_scene() {
             panic!("example {number}: {error} ({})\n{example}", error.remedy());
         }
     }
-    std::fs::remove_dir_all(&folder).expect("it can be removed");
     // Keys and variants by name.
     let all = examples.concat();
     let schema = tyndall::scene::schema();
