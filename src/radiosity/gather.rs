@@ -22,7 +22,7 @@ const LEVELS: [u32; 2] = [4, 9];
 const DIM: f64 = 0.004;
 
 /// About so many cells are quartered for one pool of lamp light at most.
-const POOL: usize = 4096;
+const POOL: usize = 8192;
 
 /// The fewest ways through a gap.
 const FEWEST: usize = 8;

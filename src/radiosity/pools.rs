@@ -85,19 +85,33 @@ impl Pool {
 
 /// A pool as a place sees it.
 pub(super) struct Seen {
-    /// Unit vector toward its middle.
-    toward: DVec3,
-    /// How far around that it reaches [rad].
+    /// From the place to its middle [m].
+    way: DVec3,
+    /// Unit normal of the surface.
+    normal: DVec3,
+    /// How far from its middle tiles may have of its light [m].
     reach: f64,
     /// Cells of more weight are quartered where it lies.
     pub weight: f64,
 }
 
 impl Seen {
-    /// Whether what a ray finds may be of the pool: the tile that it takes reaches as far as two of its own width.
+    /// Whether a ray's cell may hold a part of the pool, or the tile that it takes on the surface have some of its light: the cell
+    /// reaches as far as its own width, which is longer on the surface the more level that is seen, the tile as far as two of them.
     pub fn holds(&self, toward: DVec3, width: f64) -> bool {
-        let reach = self.reach + 3.0 * width;
-        (toward - self.toward).length_squared() <= reach * reach
+        let middle = self.way.normalize_or_zero();
+        if (toward - middle).length() <= 2.0 * width {
+            return true;
+        }
+        let fall = self.normal.dot(toward);
+        let distance = self.normal.dot(self.way) / fall;
+        let aside = distance * toward - self.way;
+        let along = (toward - fall * self.normal).normalize_or_zero();
+        let (far, across) = (aside.dot(along), aside.cross(along).length());
+        let own = width * distance;
+        let wide = self.reach + 4.5 * own;
+        let long = wide + 1.5 * own / fall.abs().max(0.01);
+        distance > 0.0 && (far / long).powi(2) + (across / wide).powi(2) <= 1.0
     }
 }
 
@@ -115,13 +129,11 @@ pub(super) fn looked_at(
     let least = all.first().map_or(0.0, |(most, _)| DIM * most);
     all.truncate(MOST);
     all.retain(|(most, pool)| *most >= least && pool.is_seen(geometry, origin, map));
-    let seen = |(_, pool): (f64, &Pool)| {
-        let way = pool.point - origin;
-        Some(Seen {
-            toward: way.try_normalize()?,
-            reach: pool.reach / way.length(),
-            weight: pool.weight(origin, map) / CELLS,
-        })
+    let seen = |(_, pool): (f64, &Pool)| Seen {
+        way: pool.point - origin,
+        normal: pool.normal,
+        reach: pool.reach,
+        weight: pool.weight(origin, map) / CELLS,
     };
-    all.into_iter().filter_map(seen).collect()
+    all.into_iter().map(seen).collect()
 }
