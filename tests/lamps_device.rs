@@ -189,11 +189,8 @@ fn surfaces_among_posts_get_what_the_reference_says() {
     }
 }
 
-#[test]
-fn lamps_with_an_extent_are_divided_as_by_the_reference() {
-    if !common::gpu("lamps_with_an_extent_are_divided_as_by_the_reference") {
-        return;
-    }
+/// A line, a rectangle and a sphere among the posts.
+fn with_extents() -> [LampEntry; 3] {
     let at = dvec3(0.2, 2.2, -0.1);
     let forms = [
         LampForm::Line {
@@ -204,11 +201,19 @@ fn lamps_with_an_extent_are_divided_as_by_the_reference() {
         },
         LampForm::Sphere { radius: 0.2 },
     ];
-    for form in forms {
-        let lamp = LampEntry {
-            form,
-            ..lamp(at, 100.0, spot(80.0, 0.5))
-        };
+    forms.map(|form| LampEntry {
+        form,
+        ..lamp(at, 100.0, spot(80.0, 0.5))
+    })
+}
+
+#[test]
+fn lamps_with_an_extent_are_divided_as_by_the_reference() {
+    if !common::gpu("lamps_with_an_extent_are_divided_as_by_the_reference") {
+        return;
+    }
+    for lamp in with_extents() {
+        let form = lamp.form;
         let seen = conditions(night(&posts(), vec![lamp]), hall_camera(), [48, 36]);
         let plan = plan(&seen, Quality::Preview, &[]);
         let found = on_device(&plan);
@@ -305,21 +310,8 @@ fn lamps_with_an_extent_are_points_in_the_air() {
     if !common::gpu("lamps_with_an_extent_are_points_in_the_air") {
         return;
     }
-    let at = dvec3(0.2, 2.2, -0.1);
-    let forms = [
-        LampForm::Line {
-            to: at + dvec3(0.7, 0.2, 0.3),
-        },
-        LampForm::Rectangle {
-            edges: [dvec3(0.5, 0.0, 0.1), dvec3(0.0, 0.1, 0.6)],
-        },
-        LampForm::Sphere { radius: 0.2 },
-    ];
-    for form in forms {
-        let lamp = LampEntry {
-            form,
-            ..lamp(at, 100.0, spot(80.0, 0.5))
-        };
+    for lamp in with_extents() {
+        let form = lamp.form;
         let mut scene = night(&posts(), vec![lamp]);
         scene.media = vec![box_of_fog(4.0, 0.1, 0.03, Phase::Isotropic)];
         let seen = conditions(scene, hall_camera(), [32, 24]);

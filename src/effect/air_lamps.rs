@@ -7,8 +7,8 @@
 //! says; a surface that shines is parts no larger than 1 / `points` of how far they are from the ray.
 //!
 //! Lamps are gone through by the most that they could add ([`crate::conditions::volumes`]): a ray that misses all that they may shine on pays
-//! nothing, and the last, which together could add less than a share of what the others do, or of what the ray in the middle of the
-//! picture gets of all, are left out. Light that is scattered more than once is neglected.
+//! nothing, and the last, which together could add less than a share of what the others do, or of many lamps a fiftieth of that share of
+//! what half of the picture's rays get, are left out. Light that is scattered more than once is neglected.
 //!
 //! On a GPU the fan goes through the tree of casters in f32, and each lit run is integrated by seven points on parts that are halved.
 //!

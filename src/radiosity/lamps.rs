@@ -61,7 +61,7 @@ pub(super) fn lamps_on(transport: &Transport, conditions: &Conditions, patch: us
     }
 }
 
-/// Whether any lamp reaches a patch, as the first lit point tells; `near` is how far from it shadow rays leave it [m].
+/// Whether any lamp reaches a patch, as the first lit point tells.
 pub(super) fn is_reached(transport: &Transport, conditions: &Conditions, patch: usize) -> bool {
     let mut of = at_points(transport, conditions, patch);
     if (0..SPOTS[1]).any(|i| of(i) != DVec3::ZERO) {

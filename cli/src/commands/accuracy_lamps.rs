@@ -1,8 +1,8 @@
 //! `tyndall accuracy --effect lamps`: what the accuracy of the light of lamps in the air costs, integrator by integrator.
 
 use crate::arguments::form::FormArgs;
-use crate::commands::study::StudyArgs;
-use crate::plots::plot::{Axis, Plot, Point, Series};
+use crate::commands::study::{StudyArgs, error_over_time};
+use crate::plots::plot::{Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
 use serde_json::json;
@@ -135,18 +135,10 @@ fn plot(study: &Study) -> Plot {
         .filter(|series: &Series| !series.points.is_empty())
         .collect();
     let [w, h] = study.size;
-    Plot {
-        title: format!("Light of lamps in the air: {}", study.scene),
-        caption: format!("{w} x {h} pixels, CPU, f64, all cores together"),
-        x: Axis {
-            label: "median time".into(),
-            unit: "ms".into(),
-        },
-        y: Axis {
-            label: "relative RMSE".into(),
-            unit: String::new(),
-        },
+    error_over_time(
+        format!("Light of lamps in the air: {}", study.scene),
+        format!("{w} x {h} pixels, CPU, f64, all cores together"),
+        "median time",
         series,
-        rivals: Vec::new(),
-    }
+    )
 }

@@ -2,9 +2,9 @@
 
 use crate::arguments::backend::BackendFlag;
 use crate::arguments::form::FormArgs;
-use crate::commands::study::StudyArgs;
+use crate::commands::study::{StudyArgs, error_over_time};
 use crate::machine;
-use crate::plots::plot::{Axis, Plot, Point, Series};
+use crate::plots::plot::{Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
 use clap::Args;
@@ -169,18 +169,10 @@ fn plot(study: &Study, backend: &str) -> Plot {
         }
     }
     let [w, h] = study.size;
-    Plot {
-        title: format!("Light from sky and surfaces: {}", study.scene),
-        caption: format!("{w} x {h} pixels, {backend}"),
-        x: Axis {
-            label: "median time of the picture".into(),
-            unit: "ms".into(),
-        },
-        y: Axis {
-            label: "relative RMSE".into(),
-            unit: String::new(),
-        },
+    error_over_time(
+        format!("Light from sky and surfaces: {}", study.scene),
+        format!("{w} x {h} pixels, {backend}"),
+        "median time of the picture",
         series,
-        rivals: Vec::new(),
-    }
+    )
 }

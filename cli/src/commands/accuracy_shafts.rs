@@ -2,8 +2,8 @@
 
 use crate::arguments::form::FormArgs;
 use crate::arguments::scene::{MethodFlag, method};
-use crate::commands::study::StudyArgs;
-use crate::plots::plot::{Axis, Plot, Point, Series};
+use crate::commands::study::{StudyArgs, error_over_time};
+use crate::plots::plot::{Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
 use clap::Args;
@@ -285,20 +285,12 @@ fn plot(study: &Study, adapter: &str) -> Plot {
         .filter(|series: &Series| !series.points.is_empty())
         .collect();
     let [w, h] = study.size;
-    Plot {
-        title: format!("Sunlight in the air: {}", study.scene),
-        caption: format!("{w} x {h} pixels, {adapter}; shadow maps apart"),
-        x: Axis {
-            label: "median time of rows, trees and integration".into(),
-            unit: "ms".into(),
-        },
-        y: Axis {
-            label: "relative RMSE".into(),
-            unit: String::new(),
-        },
+    error_over_time(
+        format!("Sunlight in the air: {}", study.scene),
+        format!("{w} x {h} pixels, {adapter}; shadow maps apart"),
+        "median time of rows, trees and integration",
         series,
-        rivals: Vec::new(),
-    }
+    )
 }
 
 /// The truth, the games' usual setting and the best of the others at no more than its time, with their errors four times

@@ -1,7 +1,7 @@
 //! What the studies of scenes share: their flags, their scenes, the names of their plots.
 
 use crate::arguments::scene::{ViewArgs, setting, size};
-use crate::plots::plot::Plot;
+use crate::plots::plot::{Axis, Plot, Series};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use tyndall::conditions::Conditions;
@@ -84,4 +84,22 @@ fn named(path: &Path, scene: &str) -> PathBuf {
         |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     let (stem, ending) = (text(path.file_stem()), text(path.extension()));
     path.with_file_name(format!("{stem}-{scene}.{ending}"))
+}
+
+/// Errors over times [ms], of series of settings.
+pub fn error_over_time(title: String, caption: String, time: &str, series: Vec<Series>) -> Plot {
+    Plot {
+        title,
+        caption,
+        x: Axis {
+            label: time.into(),
+            unit: "ms".into(),
+        },
+        y: Axis {
+            label: "relative RMSE".into(),
+            unit: String::new(),
+        },
+        series,
+        rivals: Vec::new(),
+    }
 }
