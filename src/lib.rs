@@ -57,6 +57,8 @@
 //! | [`backend`] | a GPU or the reference: rendering, checking, choosing by error or time |
 //! | [`output`] | EXR, PNG, HDR, JSON |
 //! | [`studies`] | what accuracy costs |
+//! | [`timelapse`] | frames over a range of times, and a film of them |
+//! | [`daylight`] | sensors on grids, a year of weather, the metrics of standards |
 //!
 //! # How to add an effect
 //!
@@ -73,6 +75,7 @@ pub mod backend;
 pub mod beam;
 pub mod colour;
 pub mod conditions;
+pub mod daylight;
 pub mod effect;
 pub mod ephemeris;
 pub mod error;
@@ -89,6 +92,7 @@ pub mod sky;
 pub mod split_mix;
 pub mod studies;
 pub mod task;
+pub mod timelapse;
 pub mod units;
 pub mod warning;
 

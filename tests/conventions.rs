@@ -11,7 +11,7 @@ use tyndall::effect::{self, Over};
 use wgpu::naga;
 
 /// The modules of the library: each uses only those before it. The documentation of the crate lists them in the same order.
-const ORDER: [&str; 23] = [
+const ORDER: [&str; 25] = [
     "split_mix",
     "units",
     "error",
@@ -35,6 +35,8 @@ const ORDER: [&str; 23] = [
     "backend",
     "output",
     "studies",
+    "timelapse",
+    "daylight",
 ];
 
 /// Paths from the root with `/`, and what stands there.

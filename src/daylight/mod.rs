@@ -1,0 +1,1 @@
+//! Daylight for architects: sensors on grids, daylight factors, hours of sun, a year of weather and its metrics.
