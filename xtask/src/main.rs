@@ -1,5 +1,6 @@
-//! Tasks of the project itself: `cargo xtask pictures`, `cargo xtask scene`, `cargo xtask same`, `cargo xtask test`.
+//! Tasks of the project itself: `cargo xtask breaks`, `cargo xtask pictures`, `cargo xtask scene`, `cargo xtask same`, `cargo xtask test`.
 
+mod breaks;
 mod pictures;
 mod same;
 mod scene;
@@ -11,6 +12,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
+  breaks [WORDS]     put small breaks into a copy of the sources, one at a time, and see whether the tests notice (tests/breaks.toml)
   pictures [NAMES]   render the built-in scenes into the documentation, docs/scenes
   same BINARY        compare ten pictures of another build of `tyndall` with those of this one, under both backends: nave,
                      nave-epipolar, nave-prefiltered, nave-march, nave-planes, court, panorama, orthographic, peaks, sunward
@@ -21,6 +23,7 @@ usage: cargo xtask COMMAND
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     match arguments.next().as_deref() {
+        Some("breaks") => breaks::run(arguments.collect()),
         Some("pictures") => pictures::run(arguments.collect()),
         Some("same") => same::run(arguments.collect()),
         Some("scene") => scene::run(),
