@@ -718,3 +718,55 @@ fn one_concept_is_one_file() {
     let long = "\n".repeat(LONGEST + 1);
     assert_eq!(too_long(&made_up(&[("src/a.rs", &long)])).len(), 1);
 }
+
+/// A break of tests/breaks.toml, as `cargo xtask breaks` reads it.
+#[derive(serde::Deserialize)]
+struct Break {
+    name: String,
+    file: String,
+    from: String,
+    to: String,
+    test: String,
+}
+
+/// What is wrong with a break: its text must stand in its file once, and its test must be there.
+fn stale(one: &Break, text: Option<&str>, tests: Option<&str>) -> Option<String> {
+    let found = text.map(|text| text.matches(&one.from).count());
+    let part = one.test.split_whitespace().nth(1);
+    let is_there = |tests: &str| part.is_none_or(|part| tests.contains(&format!("fn {part}")));
+    let wrong = match found {
+        _ if one.from == one.to => "it changes nothing".into(),
+        None => format!("there is no {}", one.file),
+        Some(1) if one.test.starts_with("lib") || tests.is_some_and(is_there) => return None,
+        Some(1) => format!("there is no test {}", one.test),
+        Some(found) => format!("its text stands {found} times in {}", one.file),
+    };
+    Some(format!("`{}`: {wrong}", one.name))
+}
+
+#[test]
+fn breaks_are_of_what_there_is() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |name: &str| fs::read_to_string(root.join(name)).ok();
+    let list = read("tests/breaks.toml").expect("it is there");
+    let list: BTreeMap<String, Vec<Break>> = toml::from_str(&list).expect("it is a list");
+    let breaks = &list["break"];
+    assert!(breaks.len() >= 60);
+    let complaint = |one: &Break| {
+        let binary = one.test.split_whitespace().next().unwrap_or_default();
+        let tests = read(&format!("tests/{binary}.rs"));
+        stale(one, read(&one.file).as_deref(), tests.as_deref())
+    };
+    let complaints: Vec<String> = breaks.iter().filter_map(complaint).collect();
+    assert_eq!(complaints, [""; 0]);
+
+    let one = &breaks[0];
+    for (text, tests) in [
+        (None, Some("")),
+        (Some("another text"), Some("")),
+        (Some(one.from.repeat(2).as_str()), Some("")),
+        (Some(one.from.as_str()), None),
+    ] {
+        assert!(stale(one, text, tests).is_some());
+    }
+}

@@ -50,7 +50,7 @@ fn perez_is_gendaylit_in_all_bins() {
     let judged = judged["gendaylit"].as_array().unwrap();
     let mut refused = 0;
     let number = |v: &Value, key: &str| v[key].as_f64().unwrap();
-    let (mut seen, mut compared) = ([0; 8], 0);
+    let (mut seen, mut compared, mut beams) = ([0; 8], 0, 0);
     let mut dimmest: f64 = 0.0;
     for ([direct, diffuse, altitude], theirs) in rows.iter().zip(judged) {
         if theirs.is_null() {
@@ -122,6 +122,13 @@ fn perez_is_gendaylit_in_all_bins() {
             "{direct} {diffuse} {altitude}: {} {factor}",
             diffuse_illuminance / sum
         );
+        // Beam light: theirs is the luminance of a disc, printed to six digits, and none below a thousandth of the sun's.
+        let lux = number(theirs, "direct");
+        let ours = direct * state.direct_efficacy(perez::WATER_CM);
+        if lux > 0.0 {
+            assert!((ours / lux - 1.0).abs() < 2e-3, "{theirs}: {ours}");
+            beams += 1;
+        }
         // The whole chain over the dome: ours over theirs is one number, which says how much 145 patches miss.
         let model = Model::Perez {
             turbidity: 3.0,
@@ -165,9 +172,49 @@ fn perez_is_gendaylit_in_all_bins() {
     }
     assert!(seen.iter().all(|n| *n > 0), "{seen:?}");
     assert!(refused * 10 < rows.len(), "{refused}");
-    assert!(compared >= 100, "{compared}");
+    assert!(compared >= 100 && beams >= 80, "{compared} {beams}");
     // The 145-patch sum is off by some per cent, once in the table by more.
     assert!((0.005..0.15).contains(&dimmest), "{dimmest}");
+}
+
+#[test]
+fn the_clear_sky_s_irradiances_are_pvlib_s() {
+    let mut rows = Vec::new();
+    for elevation in [2.0f64, 10.0, 30.0, 60.0, 90.0] {
+        for linke in [1.5, 3.0, 7.0] {
+            for altitude in [0.0f64, 800.0, 2500.0] {
+                for distance in [0.983f64, 1.016] {
+                    // The air mass and the solar constant are the model's own.
+                    let pressure = (1.0 - 2.255_77e-5 * altitude).powf(5.255_88);
+                    let mass = tyndall::ephemeris::air_mass(elevation * DEG) * pressure;
+                    rows.push([elevation, linke, altitude, distance, mass]);
+                }
+            }
+        }
+    }
+    let task = |[elevation, linke, altitude, distance, mass]: &[f64; 5]| {
+        let outside = perez::SOLAR_CONSTANT / (distance * distance);
+        json!([elevation, mass, linke, altitude, outside])
+    };
+    let tasks: Vec<Value> = rows.iter().map(task).collect();
+    let test = "the_clear_sky_s_irradiances_are_pvlib_s";
+    let Some(judged) = judge(test, &json!({ "clear": tasks })) else {
+        return;
+    };
+    let judged = judged["clear"].as_array().expect("one for each row");
+    let mut worst: f64 = 0.0;
+    for ([elevation, linke, altitude, distance, _], theirs) in rows.iter().zip(judged) {
+        let ours = perez::clear_sky(elevation * DEG, *linke, *altitude, *distance);
+        let [direct, diffuse] = [0, 1].map(|i| theirs[i].as_f64().expect("a number"));
+        let whole = direct * (elevation * DEG).sin() + diffuse;
+        worst = worst.max((ours.direct_normal - direct).abs() / direct.max(1.0));
+        worst = worst.max((ours.diffuse_horizontal - diffuse).abs() / whole);
+        // A hazier sky is noticed.
+        let hazier = perez::clear_sky(elevation * DEG, linke + 0.1, *altitude, *distance);
+        assert!((hazier.direct_normal - direct).abs() > 2e-3 * direct);
+    }
+    eprintln!("irradiances off by at most {worst:.1e}");
+    assert!(worst < 1e-3, "{worst}");
 }
 
 #[test]

@@ -1,7 +1,10 @@
-"""Skies by RADIANCE's gendaylit and gensky (through pyradiance): a JSON object of tasks in, the same keys with results out.
+"""Skies by RADIANCE's gendaylit and gensky (through pyradiance) and by pvlib: a JSON object of tasks in, the same keys with results out.
 
 gendaylit: rows of direct-normal and diffuse-horizontal irradiance [W/m2] and solar altitude [degrees]; back come clearness,
-brightness, a to e, the factor of its luminances [cd/m2], and the extraterrestrial factor of the day that `-ang` takes.
+brightness, a to e, the factor of its luminances [cd/m2], the direct-normal illuminance [lx], and the extraterrestrial factor of the
+day that `-ang` takes.
+clear: rows of apparent solar elevation [degrees], air mass at the site's pressure, Linke turbidity, height of the site [m] and
+extraterrestrial irradiance [W/m2]; back come direct-normal and diffuse-horizontal irradiance by Ineichen & Perez, as in pvlib.
 gensky: the zenith's luminance for a horizontal illuminance of 100, and the luminance of a direction over it.
 """
 
@@ -13,6 +16,7 @@ import sys
 from pathlib import Path
 
 import pyradiance
+from pvlib import clearsky
 
 ROOT = Path(pyradiance.__file__).parent
 os.environ["RAYPATH"] = str(ROOT / "lib")
@@ -40,11 +44,17 @@ def gendaylit(rows):
             continue
         state = state[0].split(":")[1].split()
         numbers = next(line for line in lines if line.startswith("10 ")).split()[1:]
+        # The sun's luminance, and the width of its disc [degrees].
+        sun = [next((l.split()[1:] for l in lines[i:] if l.startswith(n)), None) for n, i in (("3 ", 0), ("4 ", 0))]
+        lux = 0.0
+        if sun[0] and sun[1]:
+            lux = float(sun[0][0]) * 2 * math.pi * (1 - math.cos(math.radians(float(sun[1][3]) / 2)))
         results.append(
             {
                 "clearness": float(state[0]),
                 "brightness": float(state[1]),
                 "factor": float(numbers[0]),
+                "direct": lux,
                 "coefficients": [float(v) for v in numbers[2:7]],
                 "eccentricity": eccentricity,
             }
@@ -73,5 +83,15 @@ def gensky(rows):
     return results
 
 
+def clear(rows):
+    """Rows of elevation, absolute air mass, Linke turbidity, altitude, extraterrestrial irradiance."""
+    results = []
+    for elevation, mass, linke, altitude, extraterrestrial in rows:
+        sky = clearsky.ineichen(90 - elevation, mass, linke, altitude=altitude, dni_extra=extraterrestrial)
+        results.append([float(sky["dni"]), float(sky["dhi"])])
+    return results
+
+
+TASKS = {"gendaylit": gendaylit, "gensky": gensky, "clear": clear}
 given = json.load(sys.stdin)
-json.dump({name: {"gendaylit": gendaylit, "gensky": gensky}[name](task) for name, task in given.items()}, sys.stdout)
+json.dump({name: TASKS[name](task) for name, task in given.items()}, sys.stdout)
