@@ -10,7 +10,10 @@ use std::fs;
 use std::path::Path;
 use tyndall::colour::display;
 use tyndall::frame::{Field, Frame, Layer, NO_HIT};
-use tyndall::output::{OutputSpace, atomic, check_targets, exr, hdr, png, report, select_layers};
+use tyndall::output::{
+    HALF_MOST, Numbers, OutputSpace, Units, atomic, check_targets, exr, hdr, png, report,
+    select_layers,
+};
 
 /// Linear Rec. 709, by the matrix of ITU-R BT.2087 inverted: dark Rec. 2020 greens become negative in it.
 fn rec709() -> OutputSpace {
@@ -27,6 +30,7 @@ fn rec709() -> OutputSpace {
             DVec2::new(0.15, 0.06),
         ],
         white: DVec2::new(0.3127, 0.3290),
+        numbers: Numbers::default(),
     }
 }
 
@@ -563,4 +567,48 @@ fn links_stay_and_devices_are_left_alone() {
     assert_eq!(fs::read_to_string(&file).expect("the file"), "after");
     assert!(atomic::check(Path::new("/dev/null")).is_err());
     assert!(!fs::metadata("/dev/null").expect("it is there").is_file());
+}
+
+#[test]
+fn numbers_are_in_the_units_that_are_asked_for() {
+    let plain = rec709();
+    let with = |numbers: Numbers| OutputSpace { numbers, ..plain };
+    let colour = DVec3::new(900.0, 1000.0, 700.0);
+    // Each format's own unit, and the other's; Radiance takes 179 lm/W.
+    let own = plain.colour(Units::Photometric, colour);
+    assert_eq!(own, plain.from_working * colour);
+    let radiance = with(Numbers {
+        units: Some(Units::Radiance),
+        multiply: 2.0,
+        ..Numbers::default()
+    });
+    for (found, factor) in [
+        (plain.colour(Units::Radiance, colour), 1.0 / 179.0),
+        (radiance.colour(Units::Photometric, colour), 2.0 / 179.0),
+        (radiance.colour(Units::Radiance, colour), 2.0 / 179.0),
+    ] {
+        assert!((found / own - factor).abs().max_element() < 1e-15);
+    }
+    assert_eq!(radiance.per_candela(Units::Photometric), 2.0 / 179.0);
+    // A red sun of Rec. 2020 has no Rec. 709; moved toward grey it keeps its luminance and the order of its channels.
+    let inside = with(Numbers {
+        inside_gamut: true,
+        ..Numbers::default()
+    });
+    let red = DVec3::new(1e9, 2e8, 1e7);
+    assert!(plain.colour(Units::Photometric, red).min_element() < 0.0);
+    let moved = inside.colour(Units::Photometric, red);
+    let luminance_709 = DVec3::new(0.2126, 0.7152, 0.0722).dot(moved);
+    assert!((luminance_709 / tyndall::colour::luminance(red) - 1.0).abs() < 1e-3);
+    assert!(moved.min_element() == 0.0 && moved.x > moved.y && moved.y > moved.z);
+    assert_eq!(inside.colour(Units::Photometric, colour), own);
+    // What a half float cannot hold keeps its hue.
+    let clamped = with(Numbers {
+        clamp_half: true,
+        ..Numbers::default()
+    });
+    let held = clamped.colour(Units::Photometric, 1e4 * colour);
+    assert!((held.max_element() / HALF_MOST - 1.0).abs() < 1e-15);
+    assert!((held / held.x - own / own.x).abs().max_element() < 1e-12);
+    assert_eq!(clamped.colour(Units::Photometric, colour), own);
 }

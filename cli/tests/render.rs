@@ -103,9 +103,44 @@ fn a_picture_is_written_and_everything_is_said_on_standard_error() {
             "{name} is not in {names:?}"
         );
     }
+    // What a compositor takes: points are rows. The camera looks from (0, 1.2, 6) at (0, 1.4, 0); the window is 8:5 and 60 degrees high.
+    let attributes = &exr.layer_data.attributes;
+    let times = |p: [f32; 3], m: Option<[f32; 16]>| -> [f32; 4] {
+        let m = m.expect("it is there");
+        std::array::from_fn(|c| p[0] * m[c] + p[1] * m[4 + c] + p[2] * m[8 + c] + m[12 + c])
+    };
+    let near = |found: [f32; 2], x: f32, y: f32| {
+        assert!(
+            (found[0] - x).abs() < 1e-5 && (found[1] - y).abs() < 1e-5,
+            "{found:?}"
+        );
+    };
+    let seen = |p| {
+        let [x, y, _, w] = times(p, attributes.world_to_normalized_device);
+        assert!(w > 0.0);
+        [x / w, y / w]
+    };
+    near(seen([0.0, 1.4, 0.0]), 0.5, 0.5);
+    let distance = 36.04f32.sqrt();
+    let half = distance * 30f32.to_radians().tan();
+    near(seen([half * 1.6, 1.4, 0.0]), 1.0, 0.5);
+    let [x, y, z, _] = times([0.0, 1.4, 0.0], attributes.world_to_camera);
+    near([x, y], 0.0, 0.0);
+    assert!((z + distance).abs() < 1e-5, "it looks along -Z");
     let report = std::fs::read_to_string(folder.path().join("report.json")).expect("a report");
     let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
     assert_eq!(report["record"]["utc"], "2026-06-21T16:30:00Z");
+    let local = report["record"]["local_time"].as_str().expect("words");
+    assert!(
+        local.starts_with("2026-06-21") && local.contains("18:30"),
+        "{local}"
+    );
+    let camera = report["record"]["camera"].as_str().expect("a block");
+    assert!(camera.contains("eye = [0.0, 1.2, 6.0]"), "{camera}");
+    assert_eq!(
+        report["record"]["worldToNDC"].as_array().map(Vec::len),
+        Some(16)
+    );
     assert!(report["plan"].as_array().is_some_and(|p| p.len() > 5));
 }
 

@@ -141,6 +141,139 @@ fn maps_are_written_and_values_printed() {
     assert!(csv.contains(",perez,\"Perez 1993 "), "{csv}");
 }
 
+/// The texels of a map, by channels in the order of their names: B, G, R.
+fn texels(path: &std::path::Path) -> Vec<Vec<f32>> {
+    let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
+    let channels = &image.layer_data.channel_data.list;
+    let values = |c: &exr::prelude::AnyChannel<_>| {
+        let data: &exr::prelude::FlatSamples = &c.sample_data;
+        data.values_as_f32().collect()
+    };
+    channels.iter().map(values).collect()
+}
+
+#[test]
+fn maps_are_in_the_units_asked_for_and_inside_their_gamut() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = |name: &str, flags: &[&str]| {
+        let path = folder.path().join(name);
+        // A low sun is redder than Rec. 709.
+        let words = [
+            "--sun",
+            "270,0.1",
+            "--size",
+            "512x256",
+            "-o",
+            path.to_str().unwrap(),
+        ];
+        let output = sky(&[&words[..], flags].concat(), "");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{said}");
+        (texels(&path), said)
+    };
+    let (plain, said) = map("a.exr", &[]);
+    assert!(
+        said.contains("texels above 65504") && said.contains("--clamp-half"),
+        "{said}"
+    );
+    assert!(plain.iter().flatten().all(|v| *v >= 0.0), "inside Rec. 709");
+    let (radiance, _) = map("b.exr", &["--units", "radiance", "--multiply", "2"]);
+    for (a, b) in plain.iter().flatten().zip(radiance.iter().flatten()) {
+        assert!((a / 179.0 * 2.0 - b).abs() <= 2e-7 * a, "{a} {b}");
+    }
+    let (clamped, said) = map("c.exr", &["--clamp-half"]);
+    assert!(said.contains("held there"), "{said}");
+    let most = |map: &[Vec<f32>]| map.iter().flatten().copied().fold(0.0, f32::max);
+    assert!(most(&plain) > 65504.0 && most(&clamped) == 65504.0);
+    // The wider space has another red; the luminance is the same.
+    let (wide, _) = map("d.exr", &["--color-space", "rec2020"]);
+    let y = |map: &[Vec<f32>], w: [f64; 3]| -> Vec<f64> {
+        let at = |i: usize| (0..3).map(|c| w[2 - c] * f64::from(map[c][i])).sum();
+        (0..map[0].len()).map(at).collect()
+    };
+    let (narrow, wide) = (
+        y(&plain, [0.212_639, 0.715_169, 0.072_192]),
+        y(&wide, [0.262_700, 0.677_998, 0.059_302]),
+    );
+    for (a, b) in narrow.iter().zip(&wide) {
+        assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
+    }
+}
+
+/// Notes a test that could not run, as `cargo xtask test` counts them.
+fn not_run(test: &str, reason: &str) {
+    eprintln!("{test} did not run: {reason}");
+    if let Some(list) = std::env::var_os("TYNDALL_NOT_RUN") {
+        let list = std::fs::OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(list);
+        writeln!(list.expect("the list can be opened"), "{test}\t{reason}")
+            .expect("it can be written");
+    }
+}
+
+#[test]
+fn blender_takes_our_map_and_our_sun() {
+    // Its Python module weighs 374 MB: it is used where a Python that has it is named.
+    let Some(python) = std::env::var_os("TYNDALL_BLENDER") else {
+        let reason = "TYNDALL_BLENDER names no Python with Blender's module `bpy`";
+        return not_run("blender_takes_our_map_and_our_sun", reason);
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let (azimuth, elevation) = (230.0, 35.0);
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (with_disc, without) = (file("a.exr"), file("b.exr"));
+    // Blender's map has +X in its middle, which is east where +Y is north.
+    let common = [
+        "--sun", "230,35", "--north", "90", "--units", "radiance", "--json",
+    ];
+    let disc = ["--size", "2048x1024", "-o", &with_disc];
+    let no_disc = ["--size", "512x256", "--without-sun", "-o", &without];
+    let json = stdout(&sky(&[&common[..], &disc].concat(), ""));
+    assert!(sky(&[&common[..], &no_disc].concat(), "").status.success());
+    let ours: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let sun = serde_json::json!({
+        "azimuth": azimuth,
+        "elevation": elevation,
+        "illuminance": ours["sun_normal_illuminance_lx"],
+        "colour": ours["sun_rec709_lx"],
+    });
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/python/blender.py");
+    let mut child = Command::new(python)
+        .args([script, &with_disc, &without, &file("scratch.exr")])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    input.write_all(sun.to_string().as_bytes()).unwrap();
+    drop(input);
+    let said = stdout(&child.wait_with_output().unwrap());
+    let result = said.lines().find_map(|line| line.split_once("RESULT "));
+    let result = result.unwrap_or_else(|| panic!("Blender says {said}")).1;
+    let found: serde_json::Value = serde_json::from_str(result).unwrap();
+    for way in ["map", "lamp"] {
+        let number = |key: &str| found[way][key].as_f64().unwrap();
+        let truth = ours["horizontal_illuminance_lx"].as_f64().unwrap();
+        eprintln!(
+            "{way}: shadow at {}, {:.4} of the light",
+            number("shadow"),
+            number("illuminance") / truth
+        );
+        // A pixel is 1.2 degrees at half of the shadow's length.
+        assert!(
+            (number("shadow") - (azimuth - 180.0)).abs() < 1.5,
+            "{found}"
+        );
+        assert!(
+            (number("illuminance") / truth - 1.0).abs() < 0.01,
+            "{found}"
+        );
+    }
+}
+
 #[test]
 fn what_is_missing_is_named() {
     for (arguments, word) in [
@@ -190,16 +323,9 @@ fn the_gpu_paints_the_same_map() {
         return;
     }
     assert!(errors.contains("backend    gpu ("), "{errors}");
-    let texels = |path: &std::path::Path| -> Vec<f32> {
-        let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
-        let channels = &image.layer_data.channel_data.list;
-        assert_eq!(channels.len(), 3, "colour alone");
-        channels
-            .iter()
-            .flat_map(|c| c.sample_data.values_as_f32().collect::<Vec<_>>())
-            .collect()
-    };
     let (found, truth) = (texels(&path), texels(&truth));
+    assert_eq!(found.len(), 3, "colour alone");
+    let (found, truth) = (found.concat(), truth.concat());
     let largest = truth.iter().copied().fold(0.0, f32::max);
     assert!(largest > 1e6, "the sun is in it");
     for (found, truth) in found.iter().zip(&truth) {

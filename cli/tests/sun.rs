@@ -467,3 +467,98 @@ fn diagrams_are_drawn_everywhere() {
         assert!((0.5..0.99).contains(&white), "{at}: {white}");
     }
 }
+
+#[test]
+fn a_row_a_day_has_the_events_of_each_date() {
+    // The clock goes back within the week.
+    let week = [
+        "sun",
+        "--at",
+        "48°51'30\"N,2°17'40\"E",
+        "--events",
+        "--time",
+        "2026-10-22",
+        "--until",
+        "2026-10-29",
+    ];
+    let with = |form: &str| stdout(&tyndall(&[&week[..], &[form]].concat()));
+    let csv = with("--csv");
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 7);
+    let json: serde_json::Value = serde_json::from_str(&with("--json")).expect("JSON");
+    let time = |text: &str| chrono::DateTime::parse_from_rfc3339(text).expect("a time");
+    for (row, day) in rows[1..].iter().zip(json["days"].as_array().expect("days")) {
+        let single = [
+            "sun",
+            "--at",
+            "48.858333333333334,2.2944444444444443",
+            "--time",
+            row[0],
+            "--json",
+        ];
+        let single: serde_json::Value =
+            serde_json::from_str(&stdout(&tyndall(&single))).expect("JSON");
+        assert_eq!(single["events"], *day, "{}", row[0]);
+        for (name, cell) in rows[0].iter().zip(row).skip(1) {
+            if let Some(local) = name.strip_suffix("_utc") {
+                assert_eq!(day[local]["utc"][0], *cell);
+                let at = rows[0]
+                    .iter()
+                    .position(|n| *n == local)
+                    .expect("its neighbour");
+                assert_eq!(time(row[at]), time(cell));
+                let hours =
+                    if row[0] < "2026-10-25" || local == "midnight" && row[0] == "2026-10-25" {
+                        2
+                    } else {
+                        1
+                    };
+                assert_eq!(
+                    time(row[at]).offset().local_minus_utc(),
+                    3600 * hours,
+                    "{local} {row:?}"
+                );
+            }
+        }
+    }
+    let text = with("--tier=spa");
+    assert!(
+        text.contains("2026-10-25") && text.contains("UTC+01:00") && !text.contains("2026-10-29")
+    );
+    // None on that date: an empty cell, a dash.
+    let polar = [
+        "sun",
+        "--at",
+        "69.6,18.9",
+        "--events",
+        "--time",
+        "2026-06-21",
+    ];
+    assert!(stdout(&tyndall(&polar)).contains("-: not on that date"));
+    let csv = stdout(&tyndall(&[&polar[..], &["--csv"]].concat()));
+    assert_eq!(
+        csv.lines().nth(1).expect("a row").split(',').nth(9),
+        Some("")
+    );
+    // Half-hour steps and offsets as people write them.
+    let half = [
+        "sun",
+        "--at",
+        "28.6,77.2",
+        "--tz",
+        "+5:30",
+        "--time",
+        "2026-06-21",
+        "--step",
+        "30min",
+        "--csv",
+    ];
+    let csv = stdout(&tyndall(&half));
+    assert_eq!(csv.lines().count(), 1 + 48);
+    assert!(
+        csv.lines()
+            .nth(2)
+            .expect("a row")
+            .starts_with("2026-06-21T00:30:00+05:30,")
+    );
+}

@@ -2,7 +2,7 @@
 
 use super::{Conditions, Lamp, Sun};
 use crate::colour::luminance;
-use crate::ephemeris::{self, Absence, DayEvents, HORIZON};
+use crate::ephemeris::{self, Absence, DayEvents, HORIZON, civil};
 use crate::frame::Value;
 use crate::units::DEG;
 
@@ -112,6 +112,8 @@ impl Conditions {
                 .format("%Y-%m-%dT%H:%M:%S%.fZ")
                 .to_string();
             facts.push(("utc", utc.into()));
+            let local = civil::local_text(instant.moment.local());
+            facts.push(("local_time", local.into()));
             facts.push(("latitude_deg", instant.site.latitude_deg().into()));
             facts.push(("longitude_deg", instant.site.longitude_deg().into()));
             facts.push(("elevation_m", instant.site.elevation().into()));
@@ -141,6 +143,18 @@ impl Conditions {
             Some(sky) => {
                 facts.push(("sky", sky.name().into()));
                 facts.push(("sky_description", sky.describe().into()));
+            }
+        }
+        if !self.air.media.is_empty() {
+            facts.push(("media", self.media_phrase().into()));
+        }
+        if self.view.points().is_none() {
+            let camera = &self.view.camera;
+            let [width, height] = self.view.size.map(f64::from);
+            facts.push(("camera", camera.to_toml().into()));
+            facts.push(("worldToCamera", camera.world_to_camera().into()));
+            if let Some(to_picture) = camera.world_to_ndc(width / height) {
+                facts.push(("worldToNDC", to_picture.into()));
             }
         }
         facts

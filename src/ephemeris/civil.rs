@@ -522,7 +522,13 @@ fn split_brackets(text: &str) -> Result<(&str, Option<Zone>)> {
 fn zone_or_offset(name: &str) -> Result<Zone> {
     let name = name.trim();
     if name.starts_with(['+', '-']) {
-        let offset = parse_offset(name, name)?;
+        // +5:30 can mean nothing but +05:30.
+        let is_short = name.len() > 1 && name[1..].split(':').next().is_some_and(|h| h.len() == 1);
+        let whole = match is_short {
+            true => format!("{}0{}", &name[..1], &name[1..]),
+            false => name.to_owned(),
+        };
+        let offset = parse_offset(&whole, name)?;
         let mut zone = Zone::fixed(offset.seconds)?;
         zone.source = format!("offset {}", offset_text(offset.seconds));
         return Ok(zone);

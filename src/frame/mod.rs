@@ -12,7 +12,7 @@ pub use mixed::{Mixed, Mixture};
 
 use crate::error::{Error, Result};
 use crate::memory;
-use glam::{DVec3, Vec3};
+use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
@@ -178,11 +178,7 @@ impl Frame {
         if let Some(pixel) = self.mixed.spoilt(pixels) {
             return Err(defect(format!("what pixel number {pixel} holds is spoilt")));
         }
-        match self
-            .record
-            .iter()
-            .find(|(_, value)| matches!(value, Value::Number(number) if !number.is_finite()))
-        {
+        match self.record.iter().find(|(_, value)| !value.is_finite()) {
             Some((key, _)) => Err(defect(format!("`{key}` of the record is not finite"))),
             None => Ok(()),
         }
@@ -235,6 +231,8 @@ pub enum Value {
     Text(String),
     /// A finite number; its unit belongs to the name.
     Number(f64),
+    /// What a column times it is, column by column; finite.
+    Matrix([f64; 16]),
 }
 
 impl Record {
@@ -266,9 +264,26 @@ impl Serialize for Record {
             match value {
                 Value::Text(text) => map.serialize_entry(key, text)?,
                 Value::Number(number) => map.serialize_entry(key, number)?,
+                Value::Matrix(matrix) => map.serialize_entry(key, matrix)?,
             }
         }
         map.end()
+    }
+}
+
+impl Value {
+    fn is_finite(&self) -> bool {
+        match self {
+            Value::Text(_) => true,
+            Value::Number(number) => number.is_finite(),
+            Value::Matrix(matrix) => matrix.iter().all(|number| number.is_finite()),
+        }
+    }
+}
+
+impl From<DMat4> for Value {
+    fn from(matrix: DMat4) -> Self {
+        Value::Matrix(matrix.to_cols_array())
     }
 }
 

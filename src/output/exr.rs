@@ -10,11 +10,12 @@
 //! | `transmittance.R` `.G` `.B` | share of light that the air lets through |
 //! | `normal.X` `.Y` `.Z` | unit normal, scene axes |
 //!
-//! `chromaticities` match the pixels, `whiteLuminance` is 1 (RGB 1, 1, 1 is 1 cd/m2), and the
+//! `chromaticities` match the pixels, `whiteLuminance` is the luminance of RGB 1, 1, 1 (1 cd/m2 unless [`super::Numbers`] say
+//! otherwise), and the
 //! [`Record`](crate::frame::Record) is in attributes called `tyndall:NAME`.
 //! Transmittance is per channel of the working space, not a colour, and is not converted.
 
-use super::{OutputSpace, atomic};
+use super::{OutputSpace, Units, atomic};
 use crate::error::Result;
 use crate::frame::{Frame, Value};
 use ::exr::block::lines::LineRefMut;
@@ -28,7 +29,7 @@ use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image, Layer, Vec2, WritableImage,
 };
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -90,7 +91,8 @@ fn attributes(frame: &Frame, space: &OutputSpace) -> LayerAttributes {
     // Names and words are UTF-8, as OpenEXR's own library takes them.
     let text = |words: &str| Text::from_slice_unchecked(words.as_bytes());
     let mut attributes = LayerAttributes {
-        white_luminance: Some(1.0),
+        // The luminance of RGB 1, 1, 1.
+        white_luminance: Some((1.0 / space.per_candela(Units::Photometric)) as f32),
         software_name: Some(text(SOFTWARE)),
         ..LayerAttributes::default()
     };
@@ -107,9 +109,17 @@ fn attributes(frame: &Frame, space: &OutputSpace) -> LayerAttributes {
             match value {
                 Value::Text(value) => words(value),
                 Value::Number(value) => AttributeValue::F64(*value),
+                Value::Matrix(_) => continue,
             },
         );
     }
+    // The format's own: points are rows there, so that its rows are our columns.
+    let matrix = |key: &str| match frame.record.get(key) {
+        Some(Value::Matrix(matrix)) => Some(matrix.map(|number| number as f32)),
+        _ => None,
+    };
+    attributes.world_to_camera = matrix("worldToCamera");
+    attributes.world_to_normalized_device = matrix("worldToNDC");
     attributes
 }
 
@@ -132,8 +142,11 @@ fn channels<'f>(
         });
     };
     for (component, letter) in ["R", "G", "B"].into_iter().enumerate() {
-        let row = space.from_working.row(component);
-        add(letter.into(), Source::Picture { frame, row });
+        let channel = Channel {
+            space: *space,
+            component,
+        };
+        add(letter.into(), Source::Picture { frame, channel });
         for &name in layers {
             let source = match name {
                 "transmittance" => Source::Component(&frame.transmittance, component),
@@ -141,7 +154,7 @@ fn channels<'f>(
                 name => match frame.layer(name) {
                     Some(layer) => Source::Colour {
                         rgb: &layer.rgb,
-                        row,
+                        channel,
                     },
                     None => Source::Black,
                 },
@@ -170,15 +183,15 @@ struct Samples<'f> {
 
 #[derive(Clone, Copy)]
 enum Source<'f> {
-    /// The sum of all layers, seen through a row of the colour matrix.
+    /// The sum of all layers.
     Picture {
         frame: &'f Frame,
-        row: glam::DVec3,
+        channel: Channel,
     },
-    /// A layer, seen through a row of the colour matrix.
+    /// A layer.
     Colour {
         rgb: &'f [Vec3],
-        row: glam::DVec3,
+        channel: Channel,
     },
     /// A component as it stands.
     Component(&'f [Vec3], usize),
@@ -186,11 +199,24 @@ enum Source<'f> {
     Black,
 }
 
+/// One of the three numbers of a colour.
+#[derive(Clone, Copy)]
+struct Channel {
+    space: OutputSpace,
+    component: usize,
+}
+
+impl Channel {
+    fn of(&self, colour: DVec3) -> f32 {
+        self.space.colour(Units::Photometric, colour)[self.component] as f32
+    }
+}
+
 impl Source<'_> {
     fn at(&self, pixel: usize) -> f32 {
         match *self {
-            Source::Picture { frame, row } => row.dot(frame.picture(pixel)) as f32,
-            Source::Colour { rgb, row } => row.dot(rgb[pixel].as_dvec3()) as f32,
+            Source::Picture { frame, channel } => channel.of(frame.picture(pixel)),
+            Source::Colour { rgb, channel } => channel.of(rgb[pixel].as_dvec3()),
             Source::Component(values, component) => values[pixel][component],
             Source::Depth(values) => values[pixel],
             Source::Black => 0.0,

@@ -1,10 +1,10 @@
 //! The picture in Radiance's RGBE format: one exponent for three 8-bit mantissas, 1 % steps, no negative values.
 //!
 //! Radiance holds radiance [W/(sr m2)] and takes 179 lm/W for white light whatever its spectrum; luminances are
-//! divided by that, so that its own programs show the cd/m2 of the EXR.
+//! divided by that, so that its own programs show the cd/m2 of the EXR, unless [`super::Numbers`] say otherwise.
 //! Source: G. Ward, "Real pixels", Graphics Gems II (1991); Radiance file formats.
 
-use super::{OutputSpace, atomic};
+use super::{OutputSpace, Units, atomic};
 use crate::error::Result;
 use crate::frame::Frame;
 use rayon::prelude::*;
@@ -39,8 +39,8 @@ pub fn write(path: &Path, frame: &Frame, space: &OutputSpace) -> Result<()> {
                 .par_iter()
                 .map(|y| {
                     let texels = (y * width..(y + 1) * width).map(|i| {
-                        let colour = space.from_working * frame.picture(i);
-                        rgbe((colour / WHITE_EFFICACY).to_array())
+                        let colour = space.colour(Units::Radiance, frame.picture(i));
+                        rgbe(colour.to_array())
                     });
                     encoded_row(&texels.collect::<Vec<_>>())
                 })

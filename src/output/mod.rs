@@ -12,9 +12,10 @@ pub mod hdr;
 pub mod png;
 pub mod report;
 
+use crate::colour::luminance;
 use crate::error::{Error, Result};
 use crate::frame::Field;
-use glam::{DMat3, DVec2};
+use glam::{DMat3, DVec2, DVec3};
 use std::path::{Path, PathBuf};
 
 /// A kind of picture file.
@@ -114,6 +115,73 @@ pub struct OutputSpace {
     pub primaries: [DVec2; 3],
     /// CIE 1931 x, y of its white.
     pub white: DVec2,
+    /// What its numbers stand for.
+    pub numbers: Numbers,
+}
+
+/// What the numbers of a picture file stand for, and which of them it may hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Numbers {
+    /// Their unit; absent: the format's own, [`Units::Photometric`] for EXR and [`Units::Radiance`] for HDR.
+    pub units: Option<Units>,
+    /// What all of them are multiplied by, positive.
+    pub multiply: f64,
+    /// Whether colours outside the space's gamut are moved toward the grey of their luminance until no channel is negative.
+    pub inside_gamut: bool,
+    /// Whether colours are held within what a half float holds, [`HALF_MOST`], keeping their hue.
+    pub clamp_half: bool,
+}
+
+impl Default for Numbers {
+    fn default() -> Self {
+        Numbers {
+            units: None,
+            multiply: 1.0,
+            inside_gamut: false,
+            clamp_half: false,
+        }
+    }
+}
+
+/// What the luminance of a colour is measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Units {
+    /// cd/m2.
+    Photometric,
+    /// W/(sr m2) as Radiance counts them: cd/m2 over 179 lm/W, [`hdr::WHITE_EFFICACY`].
+    Radiance,
+}
+
+/// The greatest number that a half float holds.
+pub const HALF_MOST: f64 = 65_504.0;
+
+impl OutputSpace {
+    /// What a luminance of 1 cd/m2 is in a file whose format has a unit of its own.
+    pub fn per_candela(&self, own: Units) -> f64 {
+        let unit = match self.numbers.units.unwrap_or(own) {
+            Units::Photometric => 1.0,
+            Units::Radiance => 1.0 / hdr::WHITE_EFFICACY,
+        };
+        unit * self.numbers.multiply
+    }
+
+    /// A colour of the working space [cd/m2] as such a file has it.
+    pub fn colour(&self, own: Units, working: DVec3) -> DVec3 {
+        let mut colour = self.from_working * working;
+        let least = colour.min_element();
+        if self.numbers.inside_gamut && least < 0.0 {
+            // Toward grey, which has the colour's luminance in each channel.
+            let grey = luminance(working).max(0.0);
+            let share = grey / (grey - least);
+            colour = (grey + (colour - grey) * share).max(DVec3::ZERO);
+        }
+        colour *= self.per_candela(own);
+        let most = colour.abs().max_element();
+        if self.numbers.clamp_half && most > HALF_MOST {
+            colour *= HALF_MOST / most;
+        }
+        colour
+    }
 }
 
 /// The layers of an EXR, in its own names: those of [`Field::layers`], then `transmittance` and `normal`.

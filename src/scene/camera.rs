@@ -1,6 +1,6 @@
 //! From a pixel to a ray.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
 /// Where the eye is, where it looks, and how the picture is projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +88,42 @@ impl Camera {
         [forward.cross(DVec3::Y), DVec3::Y, forward]
     }
 
+    /// From scene axes to those of the camera, which stands in their origin and looks along -Z: +X is right in the picture and +Y up.
+    /// Of a panorama these are level.
+    pub fn world_to_camera(&self) -> DMat4 {
+        let [right, up, forward] = match self.projection {
+            Projection::Panorama => self.level_axes(),
+            _ => self.axes(),
+        };
+        let turn = DMat3::from_cols(right, up, -forward).transpose();
+        DMat4::from_mat3_translation(turn, -(turn * self.eye))
+    }
+
+    /// From scene axes to the picture: x and y from (0, 0) at its upper left corner to (1, 1) at its lower right one, of what lies
+    /// before the eye, after the division by w. `None` of a panorama, which no matrix makes. `aspect` is width over height.
+    pub fn world_to_ndc(&self, aspect: f64) -> Option<DMat4> {
+        // Half of what is seen upward: of a perspective at a distance of 1 m, whose w is the depth.
+        let (half, depth) = match self.projection {
+            Projection::Perspective { fov_y } => ((0.5 * fov_y).tan(), 1.0),
+            Projection::Orthographic { height } => (0.5 * height, 0.0),
+            Projection::Panorama => return None,
+        };
+        let middle = DVec2::new(0.5 - self.shift.x, 0.5 + self.shift.y);
+        // The third row keeps the matrix from losing what has a depth.
+        let to_picture = DMat4::from_cols(
+            DVec4::new(0.5 / (half * aspect), 0.0, 0.0, 0.0),
+            DVec4::new(0.0, -0.5 / half, 0.0, 0.0),
+            DVec4::new(-depth * middle.x, -depth * middle.y, depth - 1.0, -depth),
+            DVec4::new(
+                (1.0 - depth) * middle.x,
+                (1.0 - depth) * middle.y,
+                depth,
+                1.0 - depth,
+            ),
+        );
+        Some(to_picture * self.world_to_camera())
+    }
+
     /// The ray through a position on the picture.
     ///
     /// `position` is in pixels from the upper left corner; pixel (i, j) has its centre at (i + 0.5, j + 0.5).
@@ -138,6 +174,46 @@ mod tests {
         assert!(top.direction.y > 0.0);
         let right = camera.ray(DVec2::new(64.0, 24.0), [64, 48]);
         assert!(right.direction.cross(middle.direction).y > 0.0);
+    }
+
+    #[test]
+    fn matrices_find_what_rays_see() {
+        let size = [64, 48];
+        let whole = DVec2::new(64.0, 48.0);
+        let mut camera =
+            Camera::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 0.0, -1.0), 0.7);
+        camera.up = DVec3::new(0.3, 1.0, 0.1);
+        camera.shift = DVec2::new(0.2, -0.3);
+        for height in [None, Some(5.0)] {
+            if let Some(height) = height {
+                camera.projection = Projection::Orthographic { height };
+            }
+            let to_picture = camera.world_to_ndc(64.0 / 48.0).expect("it is flat");
+            for position in [
+                DVec2::new(0.0, 0.0),
+                DVec2::new(32.0, 24.0),
+                DVec2::new(50.0, 7.0),
+            ] {
+                let ray = camera.ray(position, size);
+                for t in [0.5, 20.0] {
+                    let found = to_picture * ray.at(t).extend(1.0);
+                    let found = DVec2::new(found.x, found.y) / found.w * whole;
+                    assert!((found - position).length() < 1e-9, "{found} {position}");
+                    // It lies before the camera.
+                    assert!(camera.world_to_camera().transform_point3(ray.at(t)).z < 0.0);
+                }
+            }
+            assert!(to_picture.determinant().abs() > 1e-6);
+        }
+        camera.projection = Projection::Panorama;
+        assert_eq!(camera.world_to_ndc(2.0), None);
+        assert!(
+            camera
+                .world_to_camera()
+                .transform_point3(camera.eye)
+                .length()
+                < 1e-12
+        );
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{Camera, Projection};
 use crate::units::DEG;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Vertical field of view of a default camera [degrees].
 pub const DEFAULT_FOV_Y_DEG: f64 = 50.0;
@@ -52,11 +52,20 @@ impl Camera {
             ),
             Projection::Panorama => "projection = \"panorama\"".into(),
         };
-        format!(
+        let mut text = format!(
             "[camera]\neye = {}\ntarget = {}\n{projection}\n",
             list(self.eye),
             list(target),
-        )
+        );
+        if self.up != DVec3::Y {
+            let [x, y, z] = self.up.normalize().to_array().map(|c| number(c, 1e-6));
+            text += &format!("up = [{x}, {y}, {z}]\n");
+        }
+        if self.shift != DVec2::ZERO {
+            let [x, y] = self.shift.to_array().map(|c| number(c, 1e-6));
+            text += &format!("shift = [{x}, {y}]\n");
+        }
+        text
     }
 }
 

@@ -8,7 +8,7 @@ use tyndall::{Error, Result};
 /// Where: `--at`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PlaceArgs {
-    /// The place: degrees north and east, and metres above sea level, as in 48.8584,2.2945,35 or 33.86S,151.2E
+    /// The place: degrees north and east, and metres above sea level, as in 48.8584,2.2945,35 or 33°51'36"S,151.2E
     #[arg(long, value_name = "LAT,LON[,ELEV]", value_parser = site, allow_hyphen_values = true)]
     pub at: Option<Site>,
 }
@@ -168,8 +168,7 @@ fn degrees(text: &str, positive: char, negative: char) -> Result<f64, String> {
         }
         _ => (text, None),
     };
-    let body = body.trim_end().trim_end_matches('°');
-    let value = number(body).map_err(|_| format!("`{text}` is not a number of degrees"))?;
+    let value = sexagesimal(body).ok_or_else(|| format!("`{text}` is not a number of degrees"))?;
     match letter {
         Some(_) if value < 0.0 => Err(format!(
             "`{text}` has both a sign and a letter: leave out one"
@@ -183,6 +182,36 @@ fn degrees(text: &str, positive: char, negative: char) -> Result<f64, String> {
     }
 }
 
+/// Degrees, or degrees with minutes and perhaps seconds of arc: 48.8584, 48°51'30", 48 51 30, 48:51.5.
+fn sexagesimal(text: &str) -> Option<f64> {
+    let marks = [
+        '°', '\'', '"', '\u{2032}', '\u{2033}', '\u{2019}', '\u{201d}', ':',
+    ];
+    let parts: Vec<&str> = text
+        .split(|c: char| c.is_whitespace() || marks.contains(&c))
+        .filter(|part| !part.is_empty())
+        .collect();
+    let (first, rest) = parts.split_first()?;
+    let whole = number(first).ok()?;
+    if rest.len() > 2 || !rest.is_empty() && first.contains('.') {
+        return None;
+    }
+    let mut size = 0.0;
+    for (i, part) in rest.iter().enumerate() {
+        let is_last = i + 1 == rest.len();
+        let value = number(part).ok().filter(|v| (0.0..60.0).contains(v))?;
+        if part.starts_with(['-', '+']) || !is_last && part.contains('.') {
+            return None;
+        }
+        size += value / [60.0, 3600.0][i];
+    }
+    // -0 30 is south of the equator.
+    Some(match first.starts_with('-') {
+        true => whole - size,
+        false => whole + size,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,9 +223,37 @@ mod tests {
         assert_eq!(at("-33.86,151.2"), Ok((-33.86, 151.2, 0.0)));
         assert_eq!(at("48.8584N, 2.2945E, 35"), Ok((48.8584, 2.2945, 35.0)));
         assert_eq!(at("33.86S,70W,-5m"), Ok((-33.86, -70.0, -5.0)));
+        let paris = Ok((
+            48.0 + 51.0 / 60.0 + 30.0 / 3600.0,
+            -(2.0 + 17.5 / 60.0),
+            0.0,
+        ));
+        for text in [
+            "48°51'30\"N,2°17.5'W",
+            "48 51 30 N, 2 17.5 W",
+            "48:51:30,-2:17.5",
+            "48° 51\u{2032} 30\u{2033} N,-2°17\u{2019}30\u{201d}",
+        ] {
+            assert_eq!(at(text), paris, "{text}");
+        }
+        assert_eq!(at("-0 30,0"), Ok((-0.5, 0.0, 0.0)));
         for bad in [
-            "--north", "-h", "1", "1,2,3,4", "1E,2N", "NaN,0", "1e400,0", "a,b", "-3S,0", "1,2,x",
+            "--north",
+            "-h",
+            "1",
+            "1,2,3,4",
+            "1E,2N",
+            "NaN,0",
+            "1e400,0",
+            "a,b",
+            "-3S,0",
+            "1,2,x",
             "",
+            "48°61',0",
+            "48.5°30',0",
+            "1 2 3 4,0",
+            "48°-3',0",
+            "48°5.5'3\",0",
         ] {
             assert!(site(bad).is_err(), "{bad}");
         }

@@ -2,7 +2,7 @@
 
 use crate::arguments::backend::BackendFlag;
 use crate::arguments::memory::MemoryArgs;
-use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
+use crate::arguments::picture::{Exposure, NumbersArgs, exposure_flag, output_space, space};
 use crate::arguments::scene::{PlanArgs, ViewArgs};
 use crate::machine;
 use crate::tables::{stdout, work};
@@ -51,6 +51,8 @@ pub struct RenderArgs {
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
     #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
     color_space: Space,
+    #[command(flatten)]
+    numbers: NumbersArgs,
     /// Write what was done to a JSON file
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
@@ -112,7 +114,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     work::record(record, &backend, &plan);
     record.set("exposure_ev100", ev100);
     for (path, format) in files.iter().zip(&formats) {
-        let space = output_space(args.color_space);
+        let space = output_space(args.color_space, args.numbers.numbers(false));
         match format {
             Format::Exr => output::exr::write(path, &rendered.frame, &space, &layers)?,
             Format::Hdr => output::hdr::write(path, &rendered.frame, &space)?,

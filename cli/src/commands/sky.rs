@@ -2,7 +2,7 @@
 
 use crate::arguments::backend::BackendFlag;
 use crate::arguments::form::FormArgs;
-use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
+use crate::arguments::picture::{Exposure, NumbersArgs, exposure_flag, output_space, space};
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
 use crate::arguments::scene::{pair, size};
 use crate::machine;
@@ -19,7 +19,7 @@ use tyndall::backend::Backend;
 use tyndall::colour::{self, Space, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
-use tyndall::output::{self, Format};
+use tyndall::output::{self, Format, HALF_MOST, Numbers, OutputSpace, Units};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, SunPath};
 use tyndall::units::DEG;
@@ -88,6 +88,8 @@ pub struct SkyArgs {
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
     #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
     color_space: Space,
+    #[command(flatten)]
+    numbers: NumbersArgs,
     /// Evaluate the models as published for the rows of a CSV (model, sun_elevation, turbidity or direct_normal and
     /// diffuse_horizontal, view_azimuth from the sun's, view_elevation; degrees); - is standard input
     #[arg(long, value_name = "FILE.csv", allow_hyphen_values = true, conflicts_with_all = ["output", "at", "time", "sun"])]
@@ -165,7 +167,8 @@ pub fn run(args: &SkyArgs) -> Result<()> {
                 .map_or(0.0, |ev| ev - 1.0)
         }
     };
-    let space = output_space(args.color_space);
+    let space = output_space(args.color_space, args.numbers.numbers(true));
+    say_clamped(&frame, &space, &formats);
     for (path, format) in args.output.iter().zip(&formats) {
         match format {
             Format::Exr => output::exr::write(path, &frame, &space, &[])?,
@@ -179,6 +182,39 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         tell::files(std::slice::from_ref(path));
     }
     Ok(())
+}
+
+/// Says which texels a half float cannot hold: clamped, or brighter than programs that read into half floats take.
+fn say_clamped(frame: &Frame, space: &OutputSpace, formats: &[Format]) {
+    let unclamped = OutputSpace {
+        numbers: Numbers {
+            clamp_half: false,
+            ..space.numbers
+        },
+        ..*space
+    };
+    for (format, own) in [
+        (Format::Exr, Units::Photometric),
+        (Format::Hdr, Units::Radiance),
+    ] {
+        if !formats.contains(&format) {
+            continue;
+        }
+        let most = |i| unclamped.colour(own, frame.picture(i)).max_element();
+        let above = (0..frame.pixels()).map(most).filter(|m| *m > HALF_MOST);
+        let (count, most) = above.fold((0, 0.0), |(n, most), m| (n + 1, f64::max(most, m)));
+        let what = match (format, space.numbers.clamp_half) {
+            (_, true) => "held there: the sun loses light",
+            // Its programs read floats.
+            (Format::Hdr, _) => continue,
+            _ => {
+                "overflow where a program reads half floats: --clamp-half, --multiply or --without-sun"
+            }
+        };
+        if count > 0 {
+            eprintln!("note       texels above {HALF_MOST}, of up to {most:.3e}: {count}, {what}");
+        }
+    }
 }
 
 fn short(value: f64) -> String {

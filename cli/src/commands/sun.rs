@@ -9,12 +9,12 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use tyndall::ephemeris::civil::{self, Moment, Zone};
 use tyndall::ephemeris::{
-    Absence, Almanac, Crossings, DayEvents, Instant, Site, SunPosition, Tier, TimeScale, Weather,
-    duration_text,
+    Almanac, DayEvents, Instant, Site, SunPosition, Tier, TimeScale, Weather,
 };
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
+use super::sun_events;
 use crate::arguments::form::FormArgs;
 use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
 use crate::plots::sun_path;
@@ -30,7 +30,7 @@ use crate::tell;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 A time gives one instant with the events of its date; a date alone (--time 2026-06-21) the events and a table of the day; \
---until a table up to that time. Azimuth is from north through east; degrees throughout.\n\n\
+--until a table up to that time, with --events a row of events a day. Azimuth is from north through east; degrees throughout.\n\n\
 Examples:\n  \
 tyndall sun --at 48.8584,2.2945 --time 2026-06-21T18:30\n  \
 tyndall sun --at 48.8584,2.2945 --time 2026-06-21\n  \
@@ -52,12 +52,15 @@ pub struct SunArgs {
         conflicts_with = "batch"
     )]
     until: Option<String>,
-    /// The step of a table: a number of seconds, or with s, m, h, d [default: 1h]
+    /// A row a day: rise, set, noon, twilights, golden and blue hours, the length of the day
+    #[arg(long, conflicts_with_all = ["batch", "step"])]
+    events: bool,
+    /// The step of a table: a number of seconds, or with s, min, h, d, as in 30min [default: 1h]
     #[arg(long, value_name = "STEP", value_parser = step)]
     step: Option<TimeDelta>,
     /// The true elevation of the sun's centre that counts as rise and set, in degrees
     #[arg(long, value_name = "DEG", default_value_t = -0.8333, allow_negative_numbers = true)]
-    horizon: f64,
+    pub(super) horizon: f64,
     /// A CSV of time, latitude, longitude, elevation (and pressure, temperature, delta_t), one position a row; - is stdin
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "time", "step", "plot"])]
     batch: Option<PathBuf>,
@@ -68,7 +71,7 @@ pub struct SunArgs {
     #[arg(long, value_name = "FILE")]
     plot: Vec<PathBuf>,
     #[command(flatten)]
-    form: FormArgs,
+    pub(super) form: FormArgs,
 }
 
 /// Runs `tyndall sun`.
@@ -127,6 +130,13 @@ pub fn run(args: &SunArgs) -> Result<()> {
             return Ok(());
         }
     }
+    if args.events {
+        let first = match &when {
+            When::Day(date, _) => *date,
+            When::Moment(moment) => moment.local().date_naive(),
+        };
+        return sun_events::run(&context, first, context.last_date(first)?);
+    }
     match (when, &args.until) {
         (When::Day(date, _), None) => context.day(date),
         (When::Moment(moment), None) if args.step.is_none() => context.instant(&moment),
@@ -173,20 +183,24 @@ fn zone(args: &SunArgs, site: &Site, date: NaiveDate) -> Result<Zone> {
     civil::zone_for(args.time.tz.as_deref(), site, date)
 }
 
-/// `90`, `90s`, `10m`, `1h` or `1d`.
+/// `90`, `90s`, `10m` or `10min`, `1h` or `1d`.
 fn step(text: &str) -> Result<TimeDelta, String> {
     let text = text.trim();
-    let (number, unit) = match text.chars().last() {
-        Some('s') => (&text[..text.len() - 1], 1.0),
-        Some('m') => (&text[..text.len() - 1], 60.0),
-        Some('h') => (&text[..text.len() - 1], 3600.0),
-        Some('d') => (&text[..text.len() - 1], 86_400.0),
-        _ => (text, 1.0),
+    let (number, unit) = text.split_at(
+        text.trim_end_matches(|c: char| c.is_ascii_alphabetic())
+            .len(),
+    );
+    let unit = match unit {
+        "" | "s" | "sec" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        "d" => 86_400.0,
+        _ => return Err(format!("`{unit}` is no unit of time: write s, min, h or d")),
     };
     let seconds = number
         .trim()
         .parse::<f64>()
-        .map_err(|_| "write a number with s, m, h or d, as in 10m")?
+        .map_err(|_| "write a number with s, min, h or d, as in 10min")?
         * unit;
     if !(1e-3..=1e9).contains(&seconds) {
         return Err("a step is between a millisecond and 1e9 seconds".into());
@@ -194,19 +208,20 @@ fn step(text: &str) -> Result<TimeDelta, String> {
     Ok(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
 }
 
-struct Context<'a> {
-    args: &'a SunArgs,
-    site: Site,
-    weather: Weather,
-    clock: Zone,
+/// A place with its clock and air, as the flags have them.
+pub(super) struct Context<'a> {
+    pub args: &'a SunArgs,
+    pub site: Site,
+    pub weather: Weather,
+    pub clock: Zone,
 }
 
 impl Context<'_> {
-    fn tier(&self) -> Tier {
+    pub(super) fn tier(&self) -> Tier {
         self.args.sun.tier
     }
 
-    fn events(&self, date: NaiveDate) -> Result<DayEvents> {
+    pub(super) fn events(&self, date: NaiveDate) -> Result<DayEvents> {
         DayEvents::new(
             date,
             &self.clock,
@@ -218,7 +233,7 @@ impl Context<'_> {
     }
 
     /// The place, as JSON.
-    fn place(&self) -> Value {
+    pub(super) fn place(&self) -> Value {
         json!({
             "latitude": self.site.latitude_deg(),
             "longitude": self.site.longitude_deg(),
@@ -228,7 +243,7 @@ impl Context<'_> {
         })
     }
 
-    fn clock_json(&self) -> Value {
+    pub(super) fn clock_json(&self) -> Value {
         json!({
             "zone": self.clock.name(),
             "source": self.clock.source(),
@@ -350,6 +365,29 @@ impl Context<'_> {
         out.line("")?;
         self.print_events(&mut out, &events)?;
         out.finish()
+    }
+
+    /// The last date of a table that begins with `first` and ends before --until; `first` alone without that.
+    fn last_date(&self, first: NaiveDate) -> Result<NaiveDate> {
+        let Some(until) = &self.args.until else {
+            return Ok(first);
+        };
+        let last = match civil::date_alone(until)? {
+            Some(date) => date.pred_opt(),
+            // A date that has begun by then is one of them.
+            None => {
+                let end = self.args.time.moment(until, Some(&self.site))?;
+                let before = end.utc - TimeDelta::nanoseconds(1);
+                Some(self.clock.local(before).date_naive())
+            }
+        };
+        last.filter(|last| *last >= first).ok_or_else(|| {
+            Error::input(
+                "--until",
+                format!("{until} is not after --time"),
+                "give a later time",
+            )
+        })
     }
 
     /// A date: its events, and a table of positions.
@@ -545,9 +583,11 @@ impl Context<'_> {
         )
     }
 
-    fn place_text(&self) -> String {
+    pub(super) fn place_text(&self) -> String {
         let letter = |value: f64, letters: [char; 2]| {
-            format!("{}°{}", value.abs(), letters[usize::from(value < 0.0)])
+            // As people write it: 0.1 m on the ground are a millionth of a degree.
+            let degrees = (value.abs() * 1e6).round() / 1e6;
+            format!("{degrees}°{}", letters[usize::from(value < 0.0)])
         };
         format!(
             "{}, {}, {} m; air of {:.1} hPa and {:.1} °C",
@@ -558,111 +598,10 @@ impl Context<'_> {
             self.weather.temperature_c()
         )
     }
-
-    /// The events in the order of the day, each with its name, elevation and time or reason.
-    fn event_list<'e>(
-        &self,
-        events: &'e DayEvents,
-    ) -> Vec<(&'static str, Vec<Instant>, Option<Absence>)> {
-        let rise = |c: &'e Crossings| (c.rising.clone(), c.rise().err());
-        let set = |c: &'e Crossings| (c.setting.clone(), c.set().err());
-        let transit = |t: &[Instant]| (t.to_vec(), t.is_empty().then_some(Absence::OtherDate));
-        [
-            ("astronomical_dawn", rise(&events.astronomical)),
-            ("nautical_dawn", rise(&events.nautical)),
-            ("civil_dawn", rise(&events.civil)),
-            ("blue_hour_end", rise(&events.blue)),
-            ("sunrise", rise(&events.day)),
-            ("golden_hour_end", rise(&events.golden)),
-            ("noon", transit(&events.noon)),
-            ("golden_hour_begin", set(&events.golden)),
-            ("sunset", set(&events.day)),
-            ("blue_hour_begin", set(&events.blue)),
-            ("civil_dusk", set(&events.civil)),
-            ("nautical_dusk", set(&events.nautical)),
-            ("astronomical_dusk", set(&events.astronomical)),
-            ("midnight", transit(&events.midnight)),
-        ]
-        .into_iter()
-        .map(|(name, (times, absence))| (name, times, absence))
-        .collect()
-    }
-
-    fn events_json(&self, events: &DayEvents) -> Value {
-        let mut map = Map::new();
-        map.insert("date".into(), json!(events.date.to_string()));
-        map.insert("horizon".into(), json!(self.args.horizon));
-        for (name, times, absence) in self.event_list(events) {
-            let value = match absence {
-                Some(reason) => json!({ "times": [], "reason": reason_text(reason) }),
-                None => {
-                    json!({ "times": times.iter().map(|t| self.millis(t)).collect::<Vec<_>>() })
-                }
-            };
-            map.insert(name.into(), value);
-        }
-        map.insert("day_length_seconds".into(), json!(events.day_length));
-        Value::Object(map)
-    }
-
-    fn millis(&self, instant: &Instant) -> String {
-        let millis = instant.plus_seconds(0.0005).to_utc();
-        let whole = DateTime::from_timestamp_millis(millis.timestamp_millis()).unwrap_or(millis);
-        time_text(&self.clock.local(whole))
-    }
-
-    fn print_events(&self, out: &mut stdout::Out, events: &DayEvents) -> Result<()> {
-        let almanac = Almanac::new(self.tier(), &events.span.0, &events.span.1);
-        out.line(&format!("events of {}", events.date))?;
-        for (name, times, absence) in self.event_list(events) {
-            let label = name.replace('_', " ");
-            if let Some(reason) = absence {
-                out.line(&format!(
-                    "  {label:<17} none: {}",
-                    self.reason(name, reason)
-                ))?;
-                continue;
-            }
-            for time in &times {
-                let sun = almanac.sun_position(time, &self.site, &self.weather);
-                // Rounded to the second, not cut.
-                let rounded = time.plus_seconds(0.5);
-                out.line(&format!(
-                    "  {label:<17} {}  azimuth {:>6.2}°, elevation {:>6.2}° true",
-                    self.clock.local(rounded.to_utc()).format("%H:%M:%S"),
-                    // 359.999 is written 0.00, not 360.00.
-                    (sun.azimuth_deg() * 100.0).round() % 36_000.0 / 100.0,
-                    sun.elevation_true_deg()
-                ))?;
-            }
-        }
-        let length = duration_text(events.day_length);
-        out.line(&format!("  {:<17} {length}", "day length"))
-    }
-
-    fn reason(&self, name: &str, reason: Absence) -> &'static str {
-        match (name, reason) {
-            ("sunrise" | "sunset", Absence::AboveAllDay) => {
-                "polar day, the sun stays above the horizon"
-            }
-            ("sunrise" | "sunset", Absence::BelowAllDay) => {
-                "polar night, the sun stays below the horizon"
-            }
-            _ => reason_text(reason),
-        }
-    }
 }
 
 const TABLE_HEAD: &str =
     "time                        azimuth  apparent      true     decl.  eq. of time [min]";
-
-fn reason_text(reason: Absence) -> &'static str {
-    match reason {
-        Absence::AboveAllDay => "the sun stays above this elevation all day",
-        Absence::BelowAllDay => "the sun stays below this elevation all day",
-        Absence::OtherDate => "it falls on a neighbouring date",
-    }
-}
 
 /// The number of rows from `start` up to, not including, `end`.
 fn count(start: DateTime<Utc>, end: DateTime<Utc>, step: TimeDelta) -> u64 {
