@@ -30,11 +30,22 @@ fn interiors(test: &str) -> Vec<(String, Conditions)> {
         let (min, max) = scene.mesh.bounds().expect("it has triangles");
         let size = (max - min).length();
         let phase = Phase::HenyeyGreenstein { g: 0.6 };
+        // A quarter of the way along its longer side.
+        let sides = max - min;
+        let mut eye = 0.5 * (min + max);
+        eye.y = min.y + 1.6f64.min(0.5 * sides.y);
+        let ahead = if sides.z >= sides.x {
+            DVec3::NEG_Z
+        } else {
+            DVec3::X
+        };
+        eye -= 0.25 * ahead * (ahead * sides).length();
+        let inside = Camera::look_at(eye, eye + ahead, 60f64.to_radians());
         scene.media = vec![fog(Shape::Box { min, max }, 0.3 / size, 0.03 / size, phase)];
         let request = Request {
             size: Some(PICTURE),
             samples: Some(1),
-            camera: CameraChoice::Inside,
+            camera: CameraChoice::Given(inside),
             ..Request::default()
         };
         let made = Conditions::new(scene, &request).expect("the scene is sound");

@@ -39,8 +39,14 @@ pub fn conditions(conditions: &Conditions) {
     for (label, text) in conditions.lines() {
         line(label, text);
     }
-    if conditions.view.chosen.is_empty() {
-        line("camera", "none given; this one frames the scene:");
+    let chosen = &*conditions.view.chosen;
+    let suggested = match chosen {
+        "" => Some("none given; this one frames the scene:".to_owned()),
+        found if found.starts_with("found") => Some(format!("{found}:")),
+        _ => None,
+    };
+    if let Some(words) = suggested {
+        line("camera", words);
         for part in conditions.view.camera.to_toml().lines() {
             line("", part);
         }

@@ -10,6 +10,7 @@ use crate::ephemeris::{Site, SunPosition, Tier, Weather, sun_position};
 use crate::error::{Error, Result, nearest};
 use crate::medium::{Air, clear};
 use crate::memory;
+use crate::scene::indoors::indoors;
 use crate::scene::{Camera, Geometry, PunctualKind, Scene, SkyEntry, SunEntry};
 use crate::sky::sun::{SunPath, visible_part};
 use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight};
@@ -55,7 +56,7 @@ impl Conditions {
         let bytes = 700 * scene.mesh.triangles.len() as u64 + 8 * texels as u64;
         memory::check("the tree of the scene's triangles", bytes)?;
         let geometry = Arc::new(Geometry::new(&scene));
-        let (camera, chosen) = camera(&scene, &request.camera, size)?;
+        let (camera, chosen) = camera(&scene, &geometry, &request.camera, size)?;
         let height = ground_height(&scene, &geometry);
         checks::ground(&scene.ground, height)?;
         for (index, medium) in scene.media.iter().enumerate() {
@@ -443,7 +444,12 @@ fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
 }
 
 /// The camera, and where it comes from.
-fn camera(scene: &Scene, choice: &CameraChoice, size: [u32; 2]) -> Result<(Camera, String)> {
+fn camera(
+    scene: &Scene,
+    geometry: &Geometry,
+    choice: &CameraChoice,
+    size: [u32; 2],
+) -> Result<(Camera, String)> {
     let bounds = || {
         scene.mesh.bounds().ok_or_else(|| {
             Error::input(
@@ -455,7 +461,21 @@ fn camera(scene: &Scene, choice: &CameraChoice, size: [u32; 2]) -> Result<(Camer
     };
     let (camera, origin) = match choice {
         CameraChoice::Given(camera) => (*camera, "given".to_owned()),
-        CameraChoice::Inside => (Camera::inside(bounds()?), "inside the bounds".into()),
+        CameraChoice::Inside => {
+            bounds()?;
+            let found = indoors(scene, geometry).ok_or_else(|| {
+                Error::input(
+                    "--camera inside",
+                    "no floor of the scene has room for a person and light in sight",
+                    "give --eye and --target",
+                )
+            })?;
+            let place = match found.is_under_a_roof {
+                true => "found inside, on a floor",
+                false => "found in the open: no floor under a roof has light in sight",
+            };
+            (found.camera, place.to_owned())
+        }
         CameraChoice::Named(name) => {
             let names = scene.cameras.iter().map(|c| c.name.as_str());
             match scene.cameras.iter().find(|c| c.name == *name) {

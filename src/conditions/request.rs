@@ -37,7 +37,7 @@ pub enum CameraChoice {
     Scene,
     /// One of the mesh's, by name.
     Named(String),
-    /// One inside the scene's bounds.
+    /// One that stands inside with light in sight: see [`crate::scene::indoors`].
     Inside,
     /// This one.
     Given(Camera),

@@ -18,21 +18,6 @@ impl Camera {
         Camera::look_at(eye, middle, fov_y)
     }
 
-    /// From inside, a quarter of the way along the longer side, at the height of a person's eyes if that is inside.
-    pub fn inside((min, max): (DVec3, DVec3)) -> Self {
-        let size = max - min;
-        let mut eye = 0.5 * (min + max);
-        eye.y = min.y + 1.6f64.min(0.5 * size.y);
-        let ahead = if size.z >= size.x {
-            eye.z = max.z - 0.25 * size.z;
-            DVec3::NEG_Z
-        } else {
-            eye.x = min.x + 0.25 * size.x;
-            DVec3::X
-        };
-        Camera::look_at(eye, eye + ahead, 60.0 * DEG)
-    }
-
     /// The camera as a block of the scene file, its numbers with as many digits as tell eye and target apart.
     pub fn to_toml(&self) -> String {
         let target = self.eye + self.forward;

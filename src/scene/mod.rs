@@ -25,6 +25,7 @@ mod glazing;
 mod gltf;
 pub mod half_plane;
 mod hints;
+pub mod indoors;
 pub mod lamp;
 mod load;
 mod mtl;
