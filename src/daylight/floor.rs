@@ -10,6 +10,7 @@
 
 use super::outline::Outline;
 use super::plane::Plane;
+use super::section::cut;
 use super::spec::{GridSpec, On};
 use crate::error::{Error, Result};
 use crate::scene::{Geometry, Ray, Scene};
@@ -43,7 +44,7 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
         if triangles.is_empty() {
             let remedy = match scene.nearest_name(name) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => "`tyndall scene` lists the names of objects and materials".into(),
+                None => names(scene),
             };
             let problem = format!("the scene has no object and no material `{name}`");
             return Err(Error::input("--grid", problem, remedy));
@@ -88,6 +89,19 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
         divided(&name, &area.outline, &band, &frame, spec)
     });
     Ok(planes.collect())
+}
+
+/// What can be named, for people; the first few.
+fn names(scene: &Scene) -> String {
+    const MOST: usize = 12;
+    let mut names: Vec<&str> = scene.names().collect();
+    let more = names.len().saturating_sub(MOST);
+    names.truncate(MOST);
+    match (names.is_empty(), more) {
+        (true, _) => "the mesh names nothing: leave the name out, or give --points".into(),
+        (_, 0) => format!("there are {}", names.join(", ")),
+        _ => format!("there are {} and {more} more", names.join(", ")),
+    }
 }
 
 /// A connected level area, in plan: x, and -z.
@@ -277,26 +291,13 @@ fn walls(scene: &Scene, area: &Area, spec: &GridSpec) -> Vec<[DVec2; 2]> {
         let [a, b, c] = corners(scene, triangle);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         (normal.y.abs() < 0.5)
-            .then(|| cut([a, b, c], height))
+            .then(|| cut([a, b, c], DVec3::Y * height, DVec3::Y))
             .flatten()
+            .map(|ends| ends.map(plan))
     };
     let all = (0..scene.mesh.triangles.len() as u32).filter_map(steep);
     let is_near = |[a, b]: &[DVec2; 2]| a.max(*b).cmpge(low).all() && a.min(*b).cmple(high).all();
     all.filter(is_near).collect()
-}
-
-/// Where a triangle meets a height, in plan.
-pub(super) fn cut(corners: [DVec3; 3], height: f64) -> Option<[DVec2; 2]> {
-    let mut ends = [DVec2::ZERO; 2];
-    let mut count = 0;
-    for i in 0..3 {
-        let (a, b) = (corners[i], corners[(i + 1) % 3]);
-        if (a.y > height) != (b.y > height) && count < 2 {
-            ends[count] = plan(a.lerp(b, (height - a.y) / (b.y - a.y)));
-            count += 1;
-        }
-    }
-    (count == 2).then_some(ends)
 }
 
 /// A plane's own axes.
