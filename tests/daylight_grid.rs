@@ -295,6 +295,8 @@ fn floors_above_one_another_are_two_and_units_do_not_count() {
     let upper = grid(&built(&house(1.0)), "spacing=0.5,room=Upper");
     assert_eq!(upper.points.len(), 80);
     assert_eq!(2 * upper.points.len(), metres.points.len());
+    let storey = grid(&built(&house(1.0)), "spacing=0.5,level=3");
+    assert_eq!(storey.points, upper.points);
     // Millimetres with Z up.
     let upright = |[a, b, c]: Corners| [a, b, c].map(|p| dvec3(p.x, -p.z, p.y));
     let turned =
@@ -345,6 +347,7 @@ fn surfaces_and_wrong_names() {
     };
     assert!(refused("room=Bord").contains("did you mean `Board`?"));
     assert!(refused("room=Board").contains("is a floor"));
+    assert!(refused("level=7").contains("there are floors at 0.00 m"));
     assert!(refused("inset=2.5").contains("no sensor finds room"));
     for (bad, said) in [
         ("plain=1", "did you mean `plane`?"),

@@ -52,7 +52,7 @@ pub fn draw(
         .map(|planes| Frame::new(sensors, planes))
         .collect();
     let head = MARGIN + 30.0 + 20.0 * caption.lines.len() as f64;
-    let height = |frame: &Frame| frame.size().y + 95.0;
+    let height = |frame: &Frame| frame.size().y + 115.0;
     let total = head + frames.iter().map(height).sum::<f64>().max(400.0) + 20.0;
     let mut drawing = Drawing::new(WIDTH, total.ceil());
     drawing.text([MARGIN, MARGIN], 22.0, Anchor::Start, INK, &caption.title);
@@ -353,7 +353,7 @@ fn scale_bar(drawing: &mut Drawing, frame: &Frame) {
 fn north(drawing: &mut Drawing, up_deg: f64, frame: &Frame) {
     let centre = [
         MARGIN + frame.size().x - 26.0,
-        frame.top + frame.size().y + 26.0,
+        frame.top + frame.size().y + 42.0,
     ];
     // North lies as far to the left of up as up lies to the right of north.
     let (sin, cos) = (-up_deg * DEG).sin_cos();

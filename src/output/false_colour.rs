@@ -141,17 +141,14 @@ impl<'a> Legend<'a> {
         let (top, bottom) = (5.0 * size, canvas.height() as f64 - 1.5 * size);
         let bar = [left + size, left + 2.5 * size];
         let at = |place: f64| bottom + place * (top - bottom);
-        let steps = 256;
-        for i in 0..steps {
-            let [a, b] = [i, i + 1].map(|i| f64::from(i) / f64::from(steps));
-            let corners = [
-                [bar[0], at(a)],
-                [bar[1], at(a)],
-                [bar[1], at(b)],
-                [bar[0], at(b)],
-            ];
-            let color = self.scale.color(self.scale.value(0.5 * (a + b)));
-            canvas.fill(&corners, color);
+        // Whole pixels, so that no edge shows through.
+        let (first, last) = (top.round() as usize, bottom.round() as usize);
+        let [from, to] = bar.map(f64::round);
+        for row in first..last {
+            let y = row as f64;
+            let place = ((bottom - y - 0.5) / (bottom - top)).clamp(0.0, 1.0);
+            let corners = [[from, y], [to, y], [to, y + 1.0], [from, y + 1.0]];
+            canvas.fill(&corners, self.scale.color(self.scale.value(place)));
         }
         let write = |canvas: &mut Canvas, y: f64, text: &str, x: f64| {
             draw_text(canvas, [x, y], text, size, Anchor::Start, INK, None);

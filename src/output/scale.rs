@@ -187,6 +187,9 @@ pub fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
     }
+    if value.abs() < 1e-4 {
+        return format!("{value:.1e}");
+    }
     let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
     let text = format!("{value:.digits$}");
     match text.contains('.') {
@@ -283,6 +286,7 @@ mod tests {
             (2.5, "2.5"),
             (750.0, "750"),
             (12_345.6, "12346"),
+            (5.5e-8, "5.5e-8"),
         ] {
             assert_eq!(short(value), text);
         }
