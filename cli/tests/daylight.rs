@@ -640,7 +640,7 @@ fn grids_have_summaries_tables_and_maps() {
     // A board sees half of a uniform sky.
     let csv = text(
         &run(&[
-            "surface=default,spacing=5,plane=0.01",
+            "surface=wall (assumed),spacing=5,plane=0.01",
             "--sky",
             UNIFORM,
             "--csv",
@@ -674,7 +674,7 @@ fn grids_that_cannot_be_are_refused() {
             "cie:16",
         ),
         (&["--grid", "spaceing=1"], "did you mean `spacing`?"),
-        (&["--grid", "room=Kitchen"], "default"),
+        (&["--grid", "room=Kitchen"], "floor (assumed)"),
         (&["--grid", "spacing=1", "--points", "p.csv"], "--points"),
         (&["--factor", "--points", "p.csv"], "--grid"),
         (&["--grid", "inset=2"], "no sensor finds room"),
