@@ -1,12 +1,12 @@
 //! The planes that a grid lies on: floors that are found or named, and surfaces by name.
 //!
 //! A floor is a level area that people can stand on. Level faces of one height, whatever side they show, are put together; of their
-//! connected areas that are 1 m2 or more, and 0.8 m wide somewhere, a floor is one of which most
+//! connected areas that are 1 m2 or more, and 0.8 m wide somewhere, a floor is one
 //!
-//! - has 1.8 m of air above it, so that no shelf, no ground under a building and no void above a ceiling is one;
-//! - lies under something, a roof or glass, where there is any such area: roofs and the land around a house are floors of no room.
+//! - of which a quarter or more has 1.8 m of air above it, so that no shelf, no ground under a building and no void above a ceiling is one;
+//! - of which most lies under something, a roof or glass, where there is any such area: roofs and the land around a house are floors of no room.
 //!   Where nothing is covered, the lowest area and those up to 1.8 m above it are floors;
-//! - does not lie less than 1.8 m over another floor: tables and platforms stand on floors.
+//! - of which no more than half lies less than 1.8 m over another floor: tables and platforms stand on floors.
 
 use super::outline::Outline;
 use super::plane::Plane;
@@ -248,11 +248,11 @@ fn found(geometry: &Geometry, areas: Vec<Area>) -> Vec<Area> {
         let above: Vec<Above> = (probes.iter())
             .map(|p| Above::of(geometry, dvec3(p.x, area.height + CLEAR, -p.y)))
             .collect();
-        let most =
-            |is: &dyn Fn(&Above) -> bool| 2 * above.iter().filter(|a| is(a)).count() > above.len();
-        if most(&|a| a.air >= HEADROOM - CLEAR) {
-            let is_covered = most(&|a| a.is_covered);
-            standing.push((area, is_covered));
+        let high = above.iter().filter(|a| a.air >= HEADROOM - CLEAR).count();
+        let covered = above.iter().filter(|a| a.is_covered).count();
+        // Under a roof not all of a floor is high.
+        if 4 * high >= above.len() && high > 0 {
+            standing.push((area, 2 * covered > above.len()));
         }
     }
     let any_covered = standing.iter().any(|(_, is_covered)| *is_covered);
