@@ -6,7 +6,6 @@
 
 use super::floor;
 use super::inside::{self, Standing};
-use super::outline::Shape;
 use crate::conditions::Receiver;
 use crate::error::{Error, Result};
 use crate::scene::{Geometry, Scene};
@@ -92,10 +91,7 @@ impl Sensors {
                 if !plane.outline.contains(middle) {
                     continue;
                 }
-                let area = plane
-                    .outline
-                    .within(&Shape::of_contour(cell.to_vec()))
-                    .area();
+                let area = plane.outline.in_box(cell[0], cell[2]).area();
                 points.push(Sensor {
                     receiver: Receiver::new(plane.at(middle), normal)?,
                     area,

@@ -5,7 +5,6 @@
 
 use super::factor::Summary;
 use super::grid::{Plane, Sensors};
-use super::outline::Shape;
 use super::section::section;
 use crate::output::canvas::Color;
 use crate::output::drawing::Drawing;
@@ -195,8 +194,8 @@ fn panel(
     for i in planes {
         let plane = &sensors.planes[*i];
         for (sensor, value) in of(*i) {
-            let cell = Shape::of_contour(plane.cell(sensor.cell).to_vec());
-            for shape in plane.outline.within(&cell).shapes() {
+            let cell = plane.cell(sensor.cell);
+            for shape in plane.outline.in_box(cell[0], cell[2]).shapes() {
                 let Some(contour) = shape.contours().next() else {
                     continue;
                 };

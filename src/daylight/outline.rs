@@ -36,7 +36,7 @@ fn area(contour: &[[f64; 2]]) -> f64 {
 
 impl Shape {
     /// One contour, in either sense.
-    pub fn of_contour(corners: Vec<DVec2>) -> Self {
+    fn of_contour(corners: Vec<DVec2>) -> Self {
         Shape(vec![corners.into_iter().map(DVec2::into).collect()])
     }
 
@@ -118,8 +118,27 @@ impl Outline {
     }
 
     /// The part of it that lies in a shape.
-    pub fn within(&self, shape: &Shape) -> Self {
+    fn within(&self, shape: &Shape) -> Self {
         self.with(std::slice::from_ref(shape), OverlayRule::Intersect)
+    }
+
+    /// The part of it that lies in a box between two corners.
+    pub fn in_box(&self, low: DVec2, high: DVec2) -> Self {
+        let shape = Shape::of_contour(vec![
+            low,
+            DVec2::new(high.x, low.y),
+            high,
+            DVec2::new(low.x, high.y),
+        ]);
+        // Most cells are far from all sides.
+        let is_near = |[a, b]: [DVec2; 2]| a.max(b).cmpge(low).all() && a.min(b).cmple(high).all();
+        if self.sides().any(is_near) {
+            return self.within(&shape);
+        }
+        match self.contains(0.5 * (low + high)) {
+            true => Outline(vec![shape]),
+            false => Outline::default(),
+        }
     }
 
     /// What is left of it without another.
@@ -189,8 +208,10 @@ mod tests {
         assert_eq!(l.shapes().len(), 1);
         assert!((l.area() - 12.0).abs() < 1e-9, "{}", l.area());
         assert!(l.contains(dvec2(0.5, 3.5)) && !l.contains(dvec2(3.0, 3.0)));
-        let cell = Shape::of_contour(rectangle([1.0, 1.0], [3.0, 3.0]));
-        assert!((l.within(&cell).area() - 3.0).abs() < 1e-9);
+        let part = |low: [f64; 2], high: [f64; 2]| l.in_box(low.into(), high.into()).area();
+        assert!((part([1.0, 1.0], [3.0, 3.0]) - 3.0).abs() < 1e-9);
+        assert_eq!(part([0.5, 0.5], [1.5, 1.0]), 0.5);
+        assert_eq!(part([3.0, 3.0], [3.5, 3.5]), 0.0);
         // A band of half a metre along all walls: at the inner corner it is a quarter disc, of 12 sides a half.
         let band = Outline::around(l.sides(), 0.5);
         let left = l.without(&band);
