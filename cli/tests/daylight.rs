@@ -551,3 +551,144 @@ fn the_report_says_what_was_done() {
     assert_eq!((rows[0].sky, rows[0].indirect), (0.0, 0.0));
     assert!(near(rows[0].illuminance, 5e4, 1e-6));
 }
+
+/// A floor of 4 by 3 m without a roof, and a board of 2 by 1 m that stands on its edge.
+fn court() -> Scene {
+    let floor = [[0.0, 0.0], [0.0, 3.0], [4.0, 3.0], [4.0, 0.0]].map(|[x, z]| [x, 0.0, z]);
+    let board = [[1.0, 2.0], [3.0, 2.0], [3.0, 3.0], [1.0, 3.0]].map(|[x, y]| [x, y, -50.0]);
+    Scene::new(&[floor, board], 0.0, "[ground]\nenabled = false\n")
+}
+
+#[test]
+fn grids_have_summaries_tables_and_maps() {
+    let scene = court();
+    let run = |more: &[&str]| {
+        let fixed = ["daylight", "scene.toml", "--backend", "reference", "--grid"];
+        let output = tyndall(scene.path(), &[&fixed, more].concat());
+        assert!(output.status.success(), "{more:?}: {}", stderr(&output));
+        output
+    };
+    let all = [
+        "spacing=1",
+        "--sky",
+        UNIFORM,
+        "-o",
+        "a.csv",
+        "-o",
+        "a.json",
+        "-o",
+        "a.svg",
+        "-o",
+        "a.png",
+        "--report",
+        "report.json",
+        "--json",
+    ];
+    let output = run(&all);
+    // Open ground under a uniform sky, and what the bright floor sends nowhere.
+    let rows: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let row = &rows[0];
+    assert_eq!(
+        (&row["sensors"], &row["area_m2"]),
+        (&Value::from(12), &Value::from(12.0))
+    );
+    for key in ["mean_lx", "median_lx", "minimum_lx", "maximum_lx"] {
+        let lux = row[key].as_f64().expect("a number");
+        assert!(near(lux, OPEN, 0.01), "{key}: {lux}");
+    }
+    assert!(row["uniformity"].as_f64().expect("a number") > 0.98);
+    assert!(
+        stderr(&output).contains("12 sensors on 1 planes"),
+        "{}",
+        stderr(&output)
+    );
+    let read = |name: &str| std::fs::read(scene.path().join(name)).expect("the file is there");
+    let csv = text(&read("a.csv"));
+    let head = "plane,x_m,y_m,z_m,nx,ny,nz,area_m2,illuminance_lx,sun_lx,sky_lx,indirect_lx";
+    assert_eq!(csv.lines().next(), Some(head));
+    let first: Vec<&str> = csv.lines().nth(1).expect("a row").split(',').collect();
+    assert_eq!(first[1..8], ["0.5", "0.85", "2.5", "0", "1", "0", "1"]);
+    assert_eq!(csv.lines().count(), 13);
+    let json: Value = serde_json::from_slice(&read("a.json")).expect("JSON");
+    assert_eq!(json["sensors"].as_array().map(Vec::len), Some(12));
+    assert_eq!(json["unit"], "lx");
+    assert_eq!(json["grids"][0]["spacing"], 1.0);
+    let warned = json["warnings"].to_string();
+    assert!(warned.contains("nothing has a colour"), "{warned}");
+    assert!(text(&read("a.svg")).contains("illuminance [lx] in scene.toml"));
+    let report: Value = serde_json::from_slice(&read("report.json")).expect("JSON");
+    assert_eq!(report["points"], 12);
+    let png = image::open(scene.path().join("a.png"))
+        .expect("a PNG")
+        .into_rgb8();
+    assert_eq!(png.width(), 2000);
+    assert!(png.pixels().any(|p| p.0 == [20, 20, 20]) && png.get_pixel(0, 0).0 == [255; 3]);
+
+    // Open ground has a daylight factor of 100 %, whatever the sky's level.
+    let table = text(&run(&["spacing=1.5", "--factor"]).stdout);
+    let cells: Vec<&str> = table
+        .lines()
+        .nth(1)
+        .expect("a row")
+        .split_whitespace()
+        .collect();
+    assert_eq!(cells[1..3], ["6", "12"]);
+    assert!(
+        near(cells[3].parse().expect("a number"), 100.0, 0.01),
+        "{table}"
+    );
+    // A board sees half of a uniform sky.
+    let csv = text(
+        &run(&[
+            "surface=wall (assumed),spacing=5,plane=0.01",
+            "--sky",
+            UNIFORM,
+            "--csv",
+        ])
+        .stdout,
+    );
+    assert!(csv.starts_with("plane,sensors,area_m2,mean_lx"), "{csv}");
+    let board: Vec<&str> = csv
+        .lines()
+        .nth(2)
+        .expect("two surfaces")
+        .split(',')
+        .collect();
+    assert!(
+        near(board[3].parse().expect("a number"), 0.5 * OPEN, 0.01),
+        "{csv}"
+    );
+}
+
+#[test]
+fn grids_that_cannot_be_are_refused() {
+    let scene = court();
+    let cases: [(&[&str], &str); 9] = [
+        (&["--grid", "spacing=1", "-o", "a.txt"], ".svg"),
+        (
+            &["--grid", "spacing=1", "-o", "scene.toml"],
+            "the name does not say",
+        ),
+        (
+            &["--grid", "spacing=1", "--factor", "--sky", "perez"],
+            "cie:16",
+        ),
+        (&["--grid", "spaceing=1"], "did you mean `spacing`?"),
+        (&["--grid", "room=Kitchen"], "floor (assumed)"),
+        (&["--grid", "spacing=1", "--points", "p.csv"], "--points"),
+        (&["--factor", "--points", "p.csv"], "--grid"),
+        (&["--grid", "inset=2"], "no sensor finds room"),
+        (
+            &["--grid", "spacing=1", "-o", "a.png", "-o", "a.png"],
+            "another of the files",
+        ),
+    ];
+    for (more, words) in cases {
+        let fixed = ["daylight", "scene.toml", "--backend", "reference"];
+        let output = tyndall(scene.path(), &[&fixed, more].concat());
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {said}");
+        assert!(said.contains(words), "{more:?}: {said}");
+        assert!(output.stdout.is_empty());
+    }
+}

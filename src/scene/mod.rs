@@ -36,10 +36,13 @@ mod obj_model;
 pub mod opacity;
 pub mod pane;
 pub mod panes;
+mod parts;
 pub mod penumbra;
 pub mod placement;
 mod polygon;
+mod reflectance;
 pub mod shade;
+mod share;
 mod text;
 mod toml;
 pub mod tree;
@@ -59,6 +62,7 @@ pub use lamp::{LampEntry, LampForm};
 pub use load::{from_bytes, load, load_placed};
 pub use pane::Pane;
 pub use panes::Panes;
+pub use parts::Part;
 pub use placement::{Placement, Up};
 pub use toml::schema;
 
@@ -71,6 +75,10 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Materials; [`Triangle::material`] counts in this list.
     pub materials: Vec<Material>,
+    /// The objects that the triangles belong to, in their order; empty where nothing tells.
+    pub parts: Vec<Part>,
+    /// The material of faces for which the mesh's file has none.
+    pub no_material: Option<u32>,
     /// Pictures that materials refer to.
     pub textures: Vec<Texture>,
     /// Materials that shine, by their index in [`Scene::materials`].

@@ -51,6 +51,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     let mut builder = Builder::new(&file, bytes, &mut model, &mut scene.materials, looks);
     builder.faces(&uses)?;
     let (assembly, untextured) = (builder.assembly, builder.untextured);
+    let no_material = builder.default;
     for (i, (entry, look)) in shelf.entries.iter().zip(&builder.looks).enumerate() {
         if entry.look.emission != DVec3::ZERO {
             let emission = Emission::plain(entry.look.emission);
@@ -61,8 +62,9 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         }
     }
 
+    scene.no_material = no_material;
     let mesh = assembly.finish(&file, &mut scene.warnings);
-    scene.mesh = mesh.map_err(|error| match model.faults.earliest() {
+    (scene.mesh, scene.parts) = mesh.map_err(|error| match model.faults.earliest() {
         Some((problem, lines)) => Error::input(
             format!("{file}:{}", lines.first.first().unwrap_or(&0)),
             format!("{problem} (`{}`), and no triangle is left", lines.example),
@@ -308,8 +310,13 @@ impl<'a> Builder<'a> {
         let mut corners = Vec::new();
         let mut vertices = Vec::new();
         let (mut face, mut corner) = (0, 0);
+        let mut last = None;
         for run in 0..self.model.runs.len() {
-            let Run { name, end } = self.model.runs[run];
+            let Run { name, object, end } = self.model.runs[run];
+            if last.replace(object) != Some(object) {
+                self.hand_over()?;
+                self.assembly.begin_part(self.model.objects[object].clone());
+            }
             for face in face..end {
                 let Face { corners: n, line } = self.model.faces[face];
                 corners.clear();

@@ -5,6 +5,7 @@ pub mod air;
 pub mod build;
 pub mod files;
 pub mod flat;
+pub mod glazed;
 pub mod gltf;
 pub mod judge;
 pub mod lamps;
