@@ -1,4 +1,21 @@
 //! Daylight for architects: sensors on grids, daylight factors, hours of sun, a year of weather and its metrics.
+//!
+//! - [`grid`]: sensors on floors, rooms and surfaces, from what a user asks for
+//! - [`floor`], [`inside`], [`outline`]: where floors are, what stands in walls, areas
+//! - [`epw`], [`hours`]: weather files, and the sun and the sky of each of their hours
+//! - [`year`], [`table`], [`metrics`]: the illuminance of sensors hour by hour, and what standards make of it
+//! - [`direct_sun`], [`sun_hours`]: what comes straight from the sun, and for how long on a day
 
+pub mod direct_sun;
 pub mod epw;
+pub mod floor;
+pub mod grid;
 pub mod hours;
+pub mod inside;
+pub mod metrics;
+pub mod outline;
+mod plane;
+mod spec;
+pub mod sun_hours;
+pub mod table;
+pub mod year;

@@ -4,11 +4,15 @@
 //! - [`png`]: the picture as a screen shows it
 //! - [`hdr`]: the picture for programs that read Radiance's format
 //! - [`report`]: the record and the plan, for scripts
+//! - [`drawing`], [`canvas`], [`lettering`]: lines and words, as SVG and as pixels
 //! - [`atomic`]: how each file is written whole or not at all
 
 pub mod atomic;
+pub mod canvas;
+pub mod drawing;
 pub mod exr;
 pub mod hdr;
+pub mod lettering;
 pub mod png;
 pub mod report;
 

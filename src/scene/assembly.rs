@@ -2,7 +2,7 @@
 //!
 //! Transforms are f64 throughout, so that a piece which a node puts a thousand kilometres away keeps its millimetres.
 
-use super::{Mesh, Texture, Triangle, Wrap};
+use super::{Mesh, Part, Texture, Triangle, Wrap};
 use crate::error::{Error, Result};
 use crate::warning::Warning;
 use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
@@ -25,6 +25,7 @@ pub(super) struct Assembly {
     /// The most vertices or triangles, where instances could make more of a file than memory holds.
     most: Option<usize>,
     mesh: Mesh,
+    parts: Vec<Part>,
     degenerate: usize,
     odd_attributes: usize,
 }
@@ -60,6 +61,32 @@ impl Assembly {
             most: Some(most),
             ..Assembly::default()
         }
+    }
+
+    /// Starts an object: what is added from now on belongs to it.
+    pub fn begin_part(&mut self, names: Vec<String>) {
+        let start = self.triangle_count();
+        self.end_part();
+        self.parts.push(Part {
+            names,
+            triangles: start..start,
+        });
+    }
+
+    /// Ends the object that was begun last; one without triangles is none.
+    fn end_part(&mut self) {
+        let end = self.triangle_count();
+        if let Some(part) = self.parts.last_mut() {
+            part.triangles.end = end;
+            if part.triangles.is_empty() {
+                self.parts.pop();
+            }
+        }
+    }
+
+    fn triangle_count(&self) -> u32 {
+        // Triangles have vertices, whose number is 32 bits wide; of more triangles than that the last have no names.
+        u32::try_from(self.mesh.triangles.len()).unwrap_or(u32::MAX)
     }
 
     /// Counts attributes of vertices that were found invalid on the way.
@@ -212,8 +239,9 @@ impl Assembly {
         Ok(())
     }
 
-    /// The mesh and its warnings. A mesh without a triangle that has an area is an error.
-    pub fn finish(self, file: &str, warnings: &mut Vec<Warning>) -> Result<Mesh> {
+    /// The mesh with its objects, and its warnings. A mesh without a triangle that has an area is an error.
+    pub fn finish(mut self, file: &str, warnings: &mut Vec<Warning>) -> Result<(Mesh, Vec<Part>)> {
+        self.end_part();
         if self.mesh.triangles.is_empty() {
             let problem = match self.degenerate {
                 0 => "there are no triangles".to_owned(),
@@ -237,7 +265,7 @@ impl Assembly {
                 count: self.odd_attributes,
             });
         }
-        Ok(self.mesh)
+        Ok((self.mesh, self.parts))
     }
 }
 
@@ -308,7 +336,7 @@ mod tests {
             assembly
                 .add(&piece, DAffine3::from_scale(scale), &String::new)
                 .unwrap();
-            let mesh = assembly.finish("test", &mut Vec::new()).unwrap();
+            let (mesh, _) = assembly.finish("test", &mut Vec::new()).unwrap();
             let [a, b, c] = mesh.triangles[0]
                 .vertices
                 .map(|v| mesh.positions[v as usize]);

@@ -35,6 +35,7 @@ mod obj_model;
 pub mod opacity;
 pub mod pane;
 pub mod panes;
+mod parts;
 pub mod penumbra;
 pub mod placement;
 mod polygon;
@@ -58,6 +59,7 @@ pub use lamp::{LampEntry, LampForm};
 pub use load::{from_bytes, load, load_placed};
 pub use pane::Pane;
 pub use panes::Panes;
+pub use parts::Part;
 pub use placement::{Placement, Up};
 pub use toml::schema;
 
@@ -70,6 +72,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Materials; [`Triangle::material`] counts in this list.
     pub materials: Vec<Material>,
+    /// The objects that the triangles belong to, in their order; empty where nothing tells.
+    pub parts: Vec<Part>,
     /// Pictures that materials refer to.
     pub textures: Vec<Texture>,
     /// Materials that shine, by their index in [`Scene::materials`].

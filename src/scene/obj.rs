@@ -62,7 +62,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     }
 
     let mesh = assembly.finish(&file, &mut scene.warnings);
-    scene.mesh = mesh.map_err(|error| match model.faults.earliest() {
+    (scene.mesh, scene.parts) = mesh.map_err(|error| match model.faults.earliest() {
         Some((problem, lines)) => Error::input(
             format!("{file}:{}", lines.first.first().unwrap_or(&0)),
             format!("{problem} (`{}`), and no triangle is left", lines.example),
@@ -308,8 +308,13 @@ impl<'a> Builder<'a> {
         let mut corners = Vec::new();
         let mut vertices = Vec::new();
         let (mut face, mut corner) = (0, 0);
+        let mut last = None;
         for run in 0..self.model.runs.len() {
-            let Run { name, end } = self.model.runs[run];
+            let Run { name, object, end } = self.model.runs[run];
+            if last.replace(object) != Some(object) {
+                self.hand_over()?;
+                self.assembly.begin_part(self.model.objects[object].clone());
+            }
             for face in face..end {
                 let Face { corners: n, line } = self.model.faces[face];
                 corners.clear();

@@ -23,6 +23,10 @@ pub(super) struct Model {
     pub corners: Vec<[u32; 3]>,
     /// Names of materials, with the first line that uses each; the first is none.
     pub names: Vec<(String, usize)>,
+    /// Names of objects, each as `o` and `g` give them; the first has none.
+    pub objects: Vec<Vec<String>>,
+    /// Whether an `o` was there: then it is the first name of each object.
+    has_object: bool,
     pub runs: Vec<Run>,
     /// What `mtllib` says.
     pub libraries: Vec<String>,
@@ -37,10 +41,12 @@ pub(super) struct Face {
     pub line: u32,
 }
 
-/// Faces of one material.
+/// Faces of one material and one object.
 pub(super) struct Run {
     /// Index into the names.
     pub name: usize,
+    /// Index into the objects.
+    pub object: usize,
     /// The last face's number plus one.
     pub end: usize,
 }
@@ -49,6 +55,7 @@ impl Model {
     pub fn read(file: &str, bytes: &[u8]) -> Result<Model> {
         let mut model = Model::default();
         model.names.push((String::new(), 0));
+        model.objects.push(Vec::new());
         let mut numbers: HashMap<String, usize> = HashMap::from([(String::new(), 0)]);
         let mut libraries = HashSet::new();
         let mut name = 0;
@@ -87,8 +94,10 @@ impl Model {
                         model.libraries.push(text);
                     }
                 }
-                // Groups and smoothing change no picture.
-                b"o" | b"g" | b"s" => {}
+                b"o" => model.object(line.name(), true),
+                b"g" => model.object(line.name(), false),
+                // Smoothing changes no picture.
+                b"s" => {}
                 // Colours that one program hides in comments.
                 b"#mrgb" => tally(&mut model.statements, "#MRGB (colours of vertices)", 1),
                 _ if keyword[0] == b'#' => {}
@@ -158,6 +167,36 @@ impl Model {
         let value = number(&word)?;
         self.fault("commas in numbers, read as decimal points", line);
         Some(value)
+    }
+
+    /// Faces from now on belong to another object (`o`) or group (`g`). A group of several words is several groups or one: each word
+    /// and all of it are its names.
+    fn object(&mut self, name: String, is_object: bool) {
+        let before = self.objects.last();
+        let mut names: Vec<String> = match is_object {
+            true => Vec::new(),
+            false => before
+                .iter()
+                .flat_map(|names| names.first().cloned())
+                .take(self.has_object.into())
+                .collect(),
+        };
+        if is_object {
+            self.has_object = !name.is_empty();
+        }
+        if !is_object && name.contains(char::is_whitespace) {
+            names.extend(name.split_whitespace().map(str::to_owned));
+        }
+        names.extend((!name.is_empty()).then_some(name));
+        // What names no face needs no place of its own.
+        let is_used = self
+            .runs
+            .last()
+            .is_some_and(|run| run.object + 1 == self.objects.len());
+        match self.objects.last_mut() {
+            Some(last) if !is_used => *last = names,
+            _ => self.objects.push(names),
+        }
     }
 
     fn vertex(&mut self, line: &Line) -> Result<()> {
@@ -232,9 +271,10 @@ impl Model {
             }
         }
         let end = self.faces.len();
+        let object = self.objects.len() - 1;
         match self.runs.last_mut() {
-            Some(run) if run.name == name => run.end = end,
-            _ => keep(&mut self.runs, Run { name, end })?,
+            Some(run) if run.name == name && run.object == object => run.end = end,
+            _ => keep(&mut self.runs, Run { name, object, end })?,
         }
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! Diagrams, written as SVG, PNG or HTML.
 
-pub mod draw;
 pub mod labels;
 pub mod plot;
 pub mod sun_path;

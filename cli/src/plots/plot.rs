@@ -1,12 +1,14 @@
 //! A plot of error against cost, or of any two measured quantities: both axes logarithmic, the Pareto front behind.
 
-use crate::plots::draw::{Anchor, Color, Drawing, escaped, text_width};
 use crate::plots::labels::{Room, TIED};
 
 use std::f64::consts::TAU;
 use std::io::Write;
 use std::path::Path;
 use tyndall::output::atomic;
+use tyndall::output::canvas::Color;
+use tyndall::output::drawing::{Drawing, escaped};
+use tyndall::output::lettering::{Anchor, text_width};
 use tyndall::{Error, Result};
 
 const INK: Color = [25, 25, 25];

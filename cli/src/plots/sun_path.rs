@@ -3,10 +3,11 @@
 use chrono::{DateTime, Datelike, NaiveDate, TimeDelta, Utc};
 use tyndall::ephemeris::civil::{Zone, offset_text};
 use tyndall::ephemeris::{Almanac, Instant, Site, SunPosition, Tier, Weather};
+use tyndall::output::canvas::Color;
+use tyndall::output::drawing::Drawing;
+use tyndall::output::lettering::{Anchor, text_width};
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
-
-use crate::plots::draw::{Anchor, Color, Drawing, text_width};
 
 const INK: Color = [20, 20, 20];
 const GRID: Color = [190, 190, 190];

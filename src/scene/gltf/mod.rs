@@ -63,6 +63,9 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         let place = format!("nodes[{index}]");
         let to_scene = tree.to_scene(&gltf, index, &place)?;
         if seen {
+            if node.mesh.is_some() {
+                meshes.assembly.begin_part(tree.names(&gltf, index));
+            }
             meshes.add(node, to_scene, &place, &mut notes)?;
             let lamp = light::of_node(&gltf, &lights, node, to_scene, &place, &mut notes)?;
             scene.lights.extend(lamp);
@@ -87,7 +90,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
 
     let file = path.display().to_string();
     scene.warnings = notes.into_warnings(&file);
-    scene.mesh = meshes.assembly.finish(&file, &mut scene.warnings)?;
+    (scene.mesh, scene.parts) = meshes.assembly.finish(&file, &mut scene.warnings)?;
     scene.cameras = cameras.0;
     scene.materials = materials.list;
     scene.textures = materials.textures;

@@ -8,6 +8,9 @@ use crate::error::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::BTreeSet;
 
+/// So many nodes above one another give names to what is in the lowest.
+const DEEPEST: usize = 32;
+
 /// The nodes of the scene, and where all nodes of the file stand.
 pub(super) struct Tree {
     /// The scene's nodes in the file's order, and whether each is seen.
@@ -119,6 +122,23 @@ impl Tree {
             let children = node.children.iter().copied();
             open.extend(children.filter(|&child| self.parents.get(child) == Some(&Some(index))));
         }
+    }
+
+    /// The names of the nodes from the root down to one with a mesh, then the mesh's own. Of very deep trees the lowest nodes count.
+    pub fn names(&self, gltf: &Gltf, index: usize) -> Vec<String> {
+        let nodes = &gltf.json.nodes;
+        let above = std::iter::successors(Some(index), |node| self.parents[*node]);
+        let above = above
+            .take(DEEPEST)
+            .filter_map(|node| nodes[node].name.clone());
+        let mut names: Vec<String> = above.collect();
+        names.reverse();
+        let mesh = nodes[index]
+            .mesh
+            .and_then(|mesh| gltf.json.meshes.get(mesh));
+        names.extend(mesh.and_then(|mesh| mesh.name.clone()));
+        names.dedup();
+        names
     }
 
     /// From the axes of a node to those of the scene, whether it is in the scene or, like some skeletons, beside it.

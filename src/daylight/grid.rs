@@ -1,0 +1,161 @@
+//! Sensors: points on planes and surfaces of a scene, each with the area that it stands for.
+//!
+//! What a user asks for is a [`GridSpec`]; [`Sensors::new`] finds the planes that it means ([`super::floor`]), divides each into
+//! cells, and puts a sensor into the middle of each cell that lies in the plane's outline. Sensors that stand in walls and furniture are
+//! left out and counted ([`super::inside`]). The order is by plane, and in each plane row by row.
+
+use super::floor;
+use super::inside::{self, Standing};
+use super::outline::Shape;
+use crate::conditions::Receiver;
+use crate::error::{Error, Result};
+use crate::scene::{Geometry, Scene};
+use serde::Serialize;
+
+pub use super::plane::{Plane, Sensor};
+pub use super::spec::{GridSpec, On};
+
+/// The most sensors of a scene: far more than a building of a thousand rooms has.
+const MOST: usize = 4_000_000;
+
+/// Sensors that are not there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// The plane's name.
+    pub plane: String,
+    /// How many.
+    pub count: usize,
+    /// Why: a phrase that follows "sensors".
+    pub why: &'static str,
+}
+
+/// The sensors of one or more grids.
+#[derive(Debug, Clone, Default)]
+pub struct Sensors {
+    /// The sensors, by plane and row by row.
+    pub points: Vec<Sensor>,
+    /// The planes that they are on.
+    pub planes: Vec<Plane>,
+    /// Those that are not there, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Sensors {
+    /// The sensors of all grids, in their order.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a name that nothing has (with the nearest), where no floor is found, and where no sensor is left;
+    /// [`Error::Domain`] for more than four million of them.
+    pub fn new(scene: &Scene, geometry: &Geometry, specs: &[GridSpec]) -> Result<Self> {
+        let mut sensors = Sensors::default();
+        for spec in specs {
+            let before = sensors.points.len();
+            for plane in floor::planes(scene, geometry, spec)? {
+                sensors.add(scene, geometry, plane)?;
+            }
+            if sensors.points.len() == before {
+                return Err(nothing_left(spec, &sensors.left_out));
+            }
+        }
+        sensors.number_names();
+        Ok(sensors)
+    }
+
+    /// All points as receivers, in their order.
+    pub fn receivers(&self) -> Vec<Receiver> {
+        self.points.iter().map(|sensor| sensor.receiver).collect()
+    }
+
+    /// The sum of the areas that sensors stand for [m2].
+    pub fn area(&self) -> f64 {
+        self.points.iter().map(|sensor| sensor.area).sum()
+    }
+
+    fn add(&mut self, scene: &Scene, geometry: &Geometry, plane: Plane) -> Result<()> {
+        let [columns, rows] = plane.cells;
+        let count = columns as usize * rows as usize;
+        if count > MOST {
+            return Err(Error::domain(
+                "the number of sensors",
+                count,
+                format!("at most {MOST}"),
+                "choose a wider spacing",
+            ));
+        }
+        let number = self.planes.len();
+        let normal = plane.normal();
+        let mut points = Vec::new();
+        for row in 0..rows {
+            for column in 0..columns {
+                let cell = plane.cell([column, row]);
+                let middle = 0.5 * (cell[0] + cell[2]);
+                if !plane.outline.contains(middle) {
+                    continue;
+                }
+                let area = plane
+                    .outline
+                    .within(&Shape::of_contour(cell.to_vec()))
+                    .area();
+                points.push(Sensor {
+                    receiver: Receiver::new(plane.at(middle), normal)?,
+                    area,
+                    plane: number,
+                    cell: [column, row],
+                });
+            }
+        }
+        let standing = inside::standing(scene, geometry, &plane, &points);
+        for why in [Standing::InSolid, Standing::Outside] {
+            let count = standing.iter().filter(|s| **s == why).count();
+            if count > 0 {
+                self.left_out.push(LeftOut {
+                    plane: plane.name.clone(),
+                    count,
+                    why: why.phrase(),
+                });
+            }
+        }
+        let kept = points.into_iter().zip(standing);
+        let kept = kept.filter(|(_, standing)| *standing == Standing::Free);
+        let before = self.points.len();
+        self.points.extend(kept.map(|(sensor, _)| sensor));
+        // A plane without sensors shows nothing.
+        if self.points.len() > before {
+            self.planes.push(plane);
+        }
+        Ok(())
+    }
+
+    /// Planes of one name get numbers.
+    fn number_names(&mut self) {
+        let names: Vec<String> = self.planes.iter().map(|p| p.name.clone()).collect();
+        for (i, plane) in self.planes.iter_mut().enumerate() {
+            let same = |name: &&String| **name == names[i];
+            if names.iter().filter(same).count() > 1 {
+                let number = 1 + names[..i].iter().filter(same).count();
+                plane.name = format!("{} {number}", names[i]);
+            }
+        }
+    }
+}
+
+/// The error where a grid has no sensor.
+fn nothing_left(spec: &GridSpec, left_out: &[LeftOut]) -> Error {
+    let of = match &spec.on {
+        On::Floors => "the floors".to_owned(),
+        On::Room(name) | On::Floor(name) | On::Surface(name) => format!("`{name}`"),
+    };
+    let said: Vec<String> = left_out
+        .iter()
+        .map(|l| format!("{} {}", l.count, l.why))
+        .collect();
+    let problem = match said.is_empty() {
+        true => format!("no sensor finds room on {of}"),
+        false => format!("no sensor is left on {of} ({})", said.join(", ")),
+    };
+    Error::input(
+        "--grid",
+        problem,
+        "choose a smaller inset or spacing, or another height (plane=)",
+    )
+}

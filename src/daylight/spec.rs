@@ -1,0 +1,144 @@
+//! A grid as a user asks for it.
+
+use crate::error::{Error, Result, nearest};
+use serde::Serialize;
+
+/// Which faces a grid lies on or over.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase", tag = "kind", content = "name")]
+pub enum On {
+    /// All floors that are found: horizontal faces with room for people above.
+    Floors,
+    /// The floors that are found among the faces of an object or a group of objects, by name.
+    Room(String),
+    /// All horizontal faces of an object or a material, by name.
+    Floor(String),
+    /// The faces of an object or a material, by name, whatever way they face.
+    Surface(String),
+}
+
+/// A grid as a user asks for it: `plane=0.85,spacing=0.5,inset=0.5,room=NAME`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GridSpec {
+    /// Which faces it lies on or over.
+    pub on: On,
+    /// Height above the floor, or distance in front of the surface [m], 0 to 100.
+    pub plane: f64,
+    /// Greatest distance between neighbours [m], 0.01 to 1000.
+    pub spacing: f64,
+    /// Width of the band along walls and edges that has no sensors [m], 0 to 100.
+    pub inset: f64,
+    /// Whether sensors of a surface look from its back.
+    pub back: bool,
+}
+
+impl Default for GridSpec {
+    /// All floors, 0.85 m above them, every 0.5 m: EN 17037's plane without its band along walls.
+    fn default() -> Self {
+        GridSpec {
+            on: On::Floors,
+            plane: 0.85,
+            spacing: 0.5,
+            inset: 0.0,
+            back: false,
+        }
+    }
+}
+
+/// The keys of a grid.
+const KEYS: [&str; 7] = [
+    "plane", "spacing", "inset", "room", "floor", "surface", "side",
+];
+
+impl GridSpec {
+    /// Reads `key=value` pairs with commas between them; a name may hold commas when it stands last.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a key that is not known, given twice, or without a value; [`Error::Domain`] for a number out of its range.
+    pub fn parse(text: &str) -> Result<Self> {
+        let place = || format!("--grid {text}");
+        let wrong = |problem: String, remedy: &str| Error::input(place(), problem, remedy);
+        let example = "write it like plane=0.85,spacing=0.5,inset=0.5,room=Kitchen";
+        let mut spec = GridSpec::default();
+        let (mut seen, mut plane, mut side) = (Vec::new(), None, None);
+        let mut rest = text.trim();
+        while !rest.is_empty() {
+            let Some((key, after)) = rest.split_once('=') else {
+                return Err(wrong(format!("`{rest}` is no key with a value"), example));
+            };
+            let key = key.trim();
+            if !KEYS.contains(&key) {
+                let near = nearest(key, KEYS).unwrap_or_default();
+                let remedy = format!("did you mean `{near}`? The keys are {}", KEYS.join(", "));
+                return Err(wrong(format!("there is no key `{key}`"), &remedy));
+            }
+            if seen.contains(&key) {
+                return Err(wrong(format!("`{key}` stands twice"), "give it once"));
+            }
+            seen.push(key);
+            let (value, after) = value_of(after);
+            rest = after;
+            let number = |low: f64, high: f64| -> Result<f64> {
+                let number: f64 = (value.parse())
+                    .map_err(|_| wrong(format!("{key}: `{value}` is no number"), example))?;
+                match (low..=high).contains(&number) {
+                    true => Ok(number),
+                    false => Err(Error::domain(
+                        format!("--grid {key}"),
+                        format!("{number} m"),
+                        format!("{low} to {high} m"),
+                        "lengths are metres",
+                    )),
+                }
+            };
+            let named = |on: fn(String) -> On| match (value, &spec.on) {
+                ("", _) => Err(wrong(format!("`{key}` names nothing"), "give a name")),
+                (_, On::Floors) => Ok(on(value.to_owned())),
+                _ => Err(wrong(
+                    "only one of room, floor and surface can be given".into(),
+                    "give --grid several times",
+                )),
+            };
+            match key {
+                "plane" => plane = Some(number(0.0, 100.0)?),
+                "spacing" => spec.spacing = number(0.01, 1000.0)?,
+                "inset" => spec.inset = number(0.0, 100.0)?,
+                "room" => spec.on = named(On::Room)?,
+                "floor" => spec.on = named(On::Floor)?,
+                "surface" => spec.on = named(On::Surface)?,
+                _ => {
+                    side = Some(match value {
+                        "front" => false,
+                        "back" => true,
+                        _ => {
+                            let problem = format!("side: `{value}` is neither front nor back");
+                            return Err(wrong(problem, "give one of the two"));
+                        }
+                    });
+                }
+            }
+        }
+        let is_surface = matches!(spec.on, On::Surface(_));
+        if side.is_some() && !is_surface {
+            return Err(wrong(
+                "`side` is of surfaces".into(),
+                "leave it out: planes over floors look up",
+            ));
+        }
+        spec.back = side.unwrap_or(false);
+        spec.plane = plane.unwrap_or(if is_surface { 0.0 } else { spec.plane });
+        Ok(spec)
+    }
+}
+
+/// What stands up to the next comma that a key follows, and what is behind that comma.
+fn value_of(text: &str) -> (&str, &str) {
+    for (at, _) in text.match_indices(',') {
+        let after = &text[at + 1..];
+        let key = after.split('=').next().unwrap_or_default().trim();
+        if after.contains('=') && !key.contains(',') {
+            return (text[..at].trim(), after.trim_start());
+        }
+    }
+    (text.trim(), "")
+}
