@@ -152,7 +152,9 @@ impl Metrics {
                 let sunny = occupied
                     .iter()
                     .filter(|hour| table.sun_at(**hour, point) > EXPOSED[0]);
-                let every: f64 = (0..table.stamps.len()).map(|hour| table.at(hour, point)).sum();
+                let every: f64 = (0..table.stamps.len())
+                    .map(|hour| table.at(hour, point))
+                    .sum();
                 let [low, good, high] = USEFUL;
                 ByPoint {
                     mean_lx: sum(&occupied) / all.max(1) as f64,
@@ -164,7 +166,10 @@ impl Metrics {
                     udi_300_3000_pct: share(count(&|e| (good..=high).contains(&e))),
                     udi_above_3000_pct: share(count(&|e| e > high)),
                     half_daylight_lx: half(
-                        most_diffuse.iter().map(|hour| table.at(*hour, point)).collect(),
+                        most_diffuse
+                            .iter()
+                            .map(|hour| table.at(*hour, point))
+                            .collect(),
                         daylight,
                     ),
                     factor_pct: 100.0 * factors.get(point).copied().unwrap_or(0.0),
@@ -191,16 +196,17 @@ impl Metrics {
             let sum = points.iter().map(|p| areas[*p] * of(&self.points[*p]));
             sum.sum::<f64>() / whole
         };
-        let mut all = vec![
-            figure(
-                "mean",
-                "Mean illuminance",
-                mean(&|p| p.mean_lx),
-                "lx",
-                format!("mean over the plane and the {} occupied hours", self.occupied),
-                "",
+        let mut all = vec![figure(
+            "mean",
+            "Mean illuminance",
+            mean(&|p| p.mean_lx),
+            "lx",
+            format!(
+                "mean over the plane and the {} occupied hours",
+                self.occupied
             ),
-        ];
+            "",
+        )];
         let autonomy = 100.0 * part(&|p| p.da300_pct >= 50.0);
         all.push(Figure {
             verdict: match autonomy {
@@ -237,10 +243,15 @@ impl Metrics {
             ("udi_below_100", "UDI below 100 lx", |p| p.udi_below_100_pct),
             ("udi_100_300", "UDI 100 to 300 lx", |p| p.udi_100_300_pct),
             ("udi_300_3000", "UDI 300 to 3000 lx", |p| p.udi_300_3000_pct),
-            ("udi_above_3000", "UDI above 3000 lx", |p| p.udi_above_3000_pct),
+            ("udi_above_3000", "UDI above 3000 lx", |p| {
+                p.udi_above_3000_pct
+            }),
         ];
         for (key, name, of) in useful {
-            let method = format!("mean over the plane of the share of the {} occupied hours", self.occupied);
+            let method = format!(
+                "mean over the plane of the share of the {} occupied hours",
+                self.occupied
+            );
             all.push(figure(key, name, mean(&of), "% of the hours", method, UDI));
         }
         self.by_year(&mut all, &part);
@@ -271,8 +282,9 @@ impl Metrics {
         for (name, target, minimum) in LEVELS {
             let shares = [target, minimum].map(|e| part(&|p| p.half_daylight_lx >= e));
             let verdict = reached(shares);
-            for ((what, e), (share, asked)) in
-                [("target", target), ("minimum", minimum)].into_iter().zip(shares.into_iter().zip(ON_PLANE))
+            for ((what, e), (share, asked)) in [("target", target), ("minimum", minimum)]
+                .into_iter()
+                .zip(shares.into_iter().zip(ON_PLANE))
             {
                 all.push(Figure {
                     verdict: verdict.clone(),
@@ -300,7 +312,8 @@ impl Metrics {
             "Mean daylight factor",
             mean,
             "%",
-            "mean over the plane under the CIE overcast sky, type 16, over open level ground".into(),
+            "mean over the plane under the CIE overcast sky, type 16, over open level ground"
+                .into(),
             CIE,
         ));
         all.push(figure(
@@ -308,14 +321,20 @@ impl Metrics {
             "Median external diffuse illuminance",
             self.median_diffuse,
             "lx",
-            format!("on open level ground, of the {} daylight hours of the weather file", self.daylight),
+            format!(
+                "on open level ground, of the {} daylight hours of the weather file",
+                self.daylight
+            ),
             EN_17037,
         ));
         for (name, target, minimum) in LEVELS {
             let factors = [target, minimum].map(|e| 100.0 * e / self.median_diffuse);
             let shares = factors.map(|factor| part(&|p| p.factor_pct >= factor));
             let verdict = reached(shares);
-            let lines = ["target", "minimum"].into_iter().zip(factors).zip(shares.into_iter().zip(ON_PLANE));
+            let lines = ["target", "minimum"]
+                .into_iter()
+                .zip(factors)
+                .zip(shares.into_iter().zip(ON_PLANE));
             for ((what, factor), (share, asked)) in lines {
                 all.push(Figure {
                     verdict: verdict.clone(),
@@ -430,7 +449,13 @@ mod tests {
     #[test]
     fn hours_are_counted_as_they_are_occupied() {
         // 300 lx from 10 to 15 o'clock: five of ten hours, at the threshold itself.
-        let five = |_: usize, hour: u32, _: usize| if (11..=15).contains(&hour) { 300.0 } else { 99.0 };
+        let five = |_: usize, hour: u32, _: usize| {
+            if (11..=15).contains(&hour) {
+                300.0
+            } else {
+                99.0
+            }
+        };
         let found = Metrics::new(&table(1, five, |_, _, _| 0.0), &[0.02]);
         let point = found.points[0];
         assert_eq!(found.occupied, 3650);
@@ -462,7 +487,12 @@ mod tests {
         };
         let found = Metrics::new(&table(1, by_hour, |_, _, _| 0.0), &[0.0]);
         let p = found.points[0];
-        let shares = [p.udi_below_100_pct, p.udi_100_300_pct, p.udi_300_3000_pct, p.udi_above_3000_pct];
+        let shares = [
+            p.udi_below_100_pct,
+            p.udi_100_300_pct,
+            p.udi_300_3000_pct,
+            p.udi_above_3000_pct,
+        ];
         assert_eq!(shares, [50.0, 20.0, 20.0, 10.0]);
     }
 
@@ -496,18 +526,37 @@ mod tests {
         let found = Metrics::new(&table(2, total, |_, _, _| 0.0), &[0.06, 0.03]);
         assert_eq!(found.daylight, 4380);
         assert_eq!(found.median_diffuse, 10_000.0);
-        assert_eq!([found.points[0].half_daylight_lx, found.points[1].half_daylight_lx], [500.0, 100.0]);
+        assert_eq!(
+            [
+                found.points[0].half_daylight_lx,
+                found.points[1].half_daylight_lx
+            ],
+            [500.0, 100.0]
+        );
         let figures = found.figures(&[0, 1], &[1.0, 1.0]);
         assert_eq!(value(&figures, "en17037_year_medium_target"), 50.0);
         assert_eq!(value(&figures, "en17037_year_minimum_minimum"), 100.0);
         assert_eq!(value(&figures, "en17037_year_medium_minimum"), 50.0);
-        let verdict = |key: &str| figures.iter().find(|f| f.key == key).expect("there").verdict.clone();
-        assert_eq!(verdict("en17037_year_minimum_target"), "reached, by light from sides");
+        let verdict = |key: &str| {
+            figures
+                .iter()
+                .find(|f| f.key == key)
+                .expect("there")
+                .verdict
+                .clone()
+        };
+        assert_eq!(
+            verdict("en17037_year_minimum_target"),
+            "reached, by light from sides"
+        );
         assert_eq!(verdict("en17037_year_medium_target"), "not reached");
         // By the factor: 300 lx of 10 000 are 3 %, 500 lx are 5 %.
         assert_eq!(value(&figures, "en17037_factor_minimum_target"), 100.0);
         assert_eq!(value(&figures, "en17037_factor_medium_target"), 50.0);
-        assert_eq!(verdict("en17037_factor_minimum_target"), "reached, by light from sides or roof");
+        assert_eq!(
+            verdict("en17037_factor_minimum_target"),
+            "reached, by light from sides or roof"
+        );
         let view = figures.iter().find(|f| f.key == "view_out").expect("there");
         assert_eq!((view.value, view.verdict.as_str()), (None, "not assessed"));
     }

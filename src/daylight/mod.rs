@@ -4,17 +4,21 @@
 //! - [`floor`], [`inside`], [`outline`]: where floors are, what stands in walls, areas
 //! - [`epw`], [`hours`]: weather files, and the sun and the sky of each of their hours
 //! - [`year`], [`table`], [`metrics`]: the illuminance of sensors hour by hour, and what standards make of it
+//! - [`report`], [`page`], [`heat_map`]: what is told of it, as numbers and as one page
 //! - [`direct_sun`], [`sun_hours`]: what comes straight from the sun, and for how long on a day
 
 pub mod direct_sun;
 pub mod epw;
 pub mod floor;
 pub mod grid;
+pub mod heat_map;
 pub mod hours;
 pub mod inside;
 pub mod metrics;
 pub mod outline;
+pub mod page;
 mod plane;
+pub mod report;
 mod spec;
 pub mod sun_hours;
 pub mod table;

@@ -92,7 +92,9 @@ impl SunHours {
             .par_iter()
             .map(|sensor| {
                 pieces.begin()?;
-                let lit = steps.iter().filter(|step| sees(conditions, sensor, step.toward));
+                let lit = steps
+                    .iter()
+                    .filter(|step| sees(conditions, sensor, step.toward));
                 let lit: Vec<&Step> = lit.collect();
                 let ends = lit.first().zip(lit.last());
                 Ok((lit.len(), ends.map(|(a, b)| [a.local, b.local])))

@@ -11,9 +11,12 @@ use super::hours::{Hour, Hours};
 use super::table::{Stamp, Table};
 use crate::colour::luminance;
 use crate::conditions::{CameraChoice, Conditions, Receiver, Request, View};
+use crate::effect::Settings;
+use crate::effect::radiosity::{RADIOSITY, detail};
 use crate::error::{Error, Result};
 use crate::memory;
-use crate::radiosity::{Care, Coefficients, Detail, Transport};
+use crate::plan::Quality;
+use crate::radiosity::{Coefficients, Detail, Transport};
 use crate::scene::disc::DiscWork;
 use crate::scene::{Camera, Scene, SiteEntry};
 use crate::sky::{Model, Sky, SunAt};
@@ -33,24 +36,26 @@ pub struct Fineness {
     pub unshot: f64,
 }
 
-impl Default for Fineness {
-    fn default() -> Self {
+impl Fineness {
+    /// The knobs of light from sky and surfaces at a quality, but for those that are set otherwise (`radiosity.rays` and the like); the
+    /// sky in 577 patches.
+    pub fn new(quality: Quality, set: &[(String, f64)]) -> Self {
+        let level = Quality::ALL.iter().position(|q| *q == quality);
+        let knobs = RADIOSITY.knobs.iter().map(|knob| {
+            let own = format!("{}.{}", RADIOSITY.name, knob.name);
+            let given = set.iter().rev().find(|(name, _)| *name == own);
+            let value = knob.values[level.unwrap_or(0)];
+            (knob.name, given.map_or(value, |(_, value)| *value))
+        });
+        let values: Vec<(&str, f64)> = knobs.collect();
+        let settings = Settings {
+            effect: RADIOSITY.name,
+            values: &values,
+        };
         Fineness {
             patches: 2,
-            detail: Detail {
-                sky: 2,
-                care: Care {
-                    rays: 784,
-                    outline: 0.005,
-                },
-                patch: 0.0625,
-                patches: 40_000,
-                patch_rays: 4_000_000,
-                hemicube: 0,
-                hemicube_spots: 1,
-                patch_spots: 10_000,
-            },
-            unshot: 1e-4,
+            detail: detail(&settings),
+            unshot: settings.get("unshot"),
         }
     }
 }
