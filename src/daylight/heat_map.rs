@@ -37,7 +37,10 @@ const MONTHS: [(&str, usize); 12] = [
 
 /// The class of an illuminance [lx].
 fn class(lux: f64) -> usize {
-    CLASSES.iter().rposition(|(from, _)| lux >= *from).unwrap_or(0)
+    CLASSES
+        .iter()
+        .rposition(|(from, _)| lux >= *from)
+        .unwrap_or(0)
 }
 
 /// An SVG of the illuminance of all hours of a year [lx], 24 a day; `what` says what it is of.
@@ -70,7 +73,10 @@ pub fn svg(hours: &[f64], what: &str) -> String {
             }
         }
         if !path.is_empty() {
-            let _ = writeln!(text, "<path d=\"{path}\" fill=\"{colour}\" shape-rendering=\"crispEdges\"/>");
+            let _ = writeln!(
+                text,
+                "<path d=\"{path}\" fill=\"{colour}\" shape-rendering=\"crispEdges\"/>"
+            );
         }
     }
     for hour in (0..=24).step_by(6) {
@@ -127,15 +133,23 @@ mod tests {
         hours[8759] = 4000.0;
         let text = svg(&hours, "a test");
         let path = |colour: &str| {
-            let line = text.lines().find(|l| l.starts_with("<path d=\"M") && l.contains(colour));
+            let line = text
+                .lines()
+                .find(|l| l.starts_with("<path d=\"M") && l.contains(colour));
             line.map(|line| line.split('"').nth(1).expect("a path").to_owned())
         };
         let [left, top] = ORIGIN;
         let bottom = top + 24.0 * CELL[1];
         let y = bottom - 12.0 * CELL[1];
-        assert_eq!(path(CLASSES[4].1).as_deref(), Some(&*format!("M{left:.1} {y:.1}h2.4v36.0h-2.4z")));
+        assert_eq!(
+            path(CLASSES[4].1).as_deref(),
+            Some(&*format!("M{left:.1} {y:.1}h2.4v36.0h-2.4z"))
+        );
         let x = left + 364.0 * CELL[0];
-        assert_eq!(path(CLASSES[7].1).as_deref(), Some(&*format!("M{x:.1} {top:.1}h2.4v9.0h-2.4z")));
+        assert_eq!(
+            path(CLASSES[7].1).as_deref(),
+            Some(&*format!("M{x:.1} {top:.1}h2.4v9.0h-2.4z"))
+        );
         assert_eq!(path(CLASSES[6].1), None);
         assert_eq!([9.9, 10.0, 299.9, 300.0, 1e9].map(class), [0, 1, 3, 4, 8]);
     }

@@ -37,7 +37,10 @@ pub fn html(report: &Report, maps: &[Picture]) -> String {
     let _ = write!(
         page,
         "<h2>The year, hour by hour</h2>\n<p>Mean illuminance of all sensors; standard time.</p>\n{}",
-        heat_map::svg(&report.hourly_mean_lx, "Mean illuminance of all sensors, day by hour")
+        heat_map::svg(
+            &report.hourly_mean_lx,
+            "Mean illuminance of all sensors, day by hour"
+        )
     );
     if !maps.is_empty() {
         page.push_str("<h2>Maps</h2>\n<div class=\"maps\">\n");
@@ -48,11 +51,18 @@ pub fn html(report: &Report, maps: &[Picture]) -> String {
     }
     page.push_str("<h2>What went in</h2>\n<table>\n");
     for Line { name, value } in &report.inputs {
-        let _ = writeln!(page, "<tr><th>{}</th><td>{}</td></tr>", escaped(name), escaped(value));
+        let _ = writeln!(
+            page,
+            "<tr><th>{}</th><td>{}</td></tr>",
+            escaped(name),
+            escaped(value)
+        );
     }
     page.push_str("</table>\n<h2>Materials</h2>\n<table>\n<tr><th>Material</th><th>Reflectance</th><th>Transmittance</th></tr>\n");
     for surface in &report.materials {
-        let through = surface.transmittance.map_or(String::new(), |t| format!("{t:.3}"));
+        let through = surface
+            .transmittance
+            .map_or(String::new(), |t| format!("{t:.3}"));
         let reflects = match surface.transmittance {
             Some(_) => String::new(),
             None => format!("{:.3}", surface.reflectance),
@@ -151,7 +161,13 @@ mod tests {
 
     #[test]
     fn figures_have_the_digits_that_they_are_good_for() {
-        assert_eq!([0.0, 2.345, 12.34, 123.6].map(shown), ["0.00", "2.35", "12.3", "124"]);
-        assert_eq!(escaped("<a & \"b\">\u{7}"), "&lt;a &amp; &quot;b&quot;&gt;\u{fffd}");
+        assert_eq!(
+            [0.0, 2.345, 12.34, 123.6].map(shown),
+            ["0.00", "2.35", "12.3", "124"]
+        );
+        assert_eq!(
+            escaped("<a & \"b\">\u{7}"),
+            "&lt;a &amp; &quot;b&quot;&gt;\u{fffd}"
+        );
     }
 }

@@ -157,7 +157,10 @@ impl Report {
         );
         line(
             "north",
-            format!("the scene's -Z axis faces {} degrees from north through east", scene.north_deg),
+            format!(
+                "the scene's -Z axis faces {} degrees from north through east",
+                scene.north_deg
+            ),
         );
         line("weather file", file.file.clone());
         line(
@@ -166,15 +169,24 @@ impl Report {
         );
         line(
             "sun against labels",
-            format!("{:+.2} h: the sun is taken so much later than the middle of the labelled hour", hours.shift_h),
+            format!(
+                "{:+.2} h: the sun is taken so much later than the middle of the labelled hour",
+                hours.shift_h
+            ),
         );
-        line("ground's albedo", match conditions.ground {
-            Some(ground) => format!("{:.2}", luminance(ground.albedo)),
-            None => "there is no ground".into(),
-        });
+        line(
+            "ground's albedo",
+            match conditions.ground {
+                Some(ground) => format!("{:.2}", luminance(ground.albedo)),
+                None => "there is no ground".into(),
+            },
+        );
         line(
             "sky",
-            format!("{} patches of Reinhart's division", 144 * fineness.patches.pow(2) + 1),
+            format!(
+                "{} patches of Reinhart's division",
+                144 * fineness.patches.pow(2) + 1
+            ),
         );
         line(
             "surfaces",
@@ -199,9 +211,16 @@ impl Report {
         let mut warnings: Vec<String> = hours.warnings.iter().map(ToString::to_string).collect();
         warnings.extend(conditions.warnings.iter().map(ToString::to_string));
         for left in &sensors.left_out {
-            warnings.push(format!("{}: {} sensors left out: they {}", left.plane, left.count, left.why));
+            warnings.push(format!(
+                "{}: {} sensors left out: they {}",
+                left.plane, left.count, left.why
+            ));
         }
-        let spacing = sensors.planes.iter().flat_map(|plane| plane.step).fold(0.0, f64::max);
+        let spacing = sensors
+            .planes
+            .iter()
+            .flat_map(|plane| plane.step)
+            .fold(0.0, f64::max);
         if spacing > 0.6 + 1e-9 {
             warnings.push(format!(
                 "sensors are {spacing:.2} m apart: LM-83 asks for at most 0.6 m, so sDA and ASE are not by its rules"
@@ -226,7 +245,9 @@ impl Report {
         let mut text = "room,key,name,value,unit,verdict,method,edition\n".to_owned();
         for room in &self.rooms {
             for figure in &room.figures {
-                let value = figure.value.map_or(String::new(), |value| value.to_string());
+                let value = figure
+                    .value
+                    .map_or(String::new(), |value| value.to_string());
                 let cells = [
                     &room.name,
                     &figure.key,
@@ -251,7 +272,11 @@ impl Report {
             ByPoint::NAMES.join(",")
         );
         for sensor in &self.sensors {
-            let places = sensor.position.to_array().into_iter().chain(sensor.normal.to_array());
+            let places = sensor
+                .position
+                .to_array()
+                .into_iter()
+                .chain(sensor.normal.to_array());
             let numbers = places.chain([sensor.area]).chain(sensor.metrics.values());
             let cells: Vec<String> = std::iter::once(quoted(&sensor.room))
                 .chain(numbers.map(|number| number.to_string()))
@@ -264,7 +289,9 @@ impl Report {
 
 /// The hourly table as CSV: a row an hour of the year, standard time, a column a sensor [lx].
 pub fn hours_csv(file: &WeatherFile, table: &Table) -> String {
-    let names: Vec<String> = (0..table.points).map(|i| format!("sensor_{i}_lx")).collect();
+    let names: Vec<String> = (0..table.points)
+        .map(|i| format!("sensor_{i}_lx"))
+        .collect();
     let mut text = format!("month,day,hour,open_diffuse_lx,{}\n", names.join(","));
     let mut lit = table.stamps.iter().enumerate().peekable();
     for (number, row) in file.rows.iter().enumerate() {
@@ -302,7 +329,11 @@ fn materials(scene: &Scene) -> Vec<Surface> {
             name: material.name.clone(),
             reflectance: luminance(to_working * material.base_color),
             transmittance: material.pane.as_ref().map(|pane| {
-                let tint = if pane.is_tinted { material.base_color } else { DVec3::ONE };
+                let tint = if pane.is_tinted {
+                    material.base_color
+                } else {
+                    DVec3::ONE
+                };
                 luminance(to_working * (pane.transmittance * tint))
             }),
         })

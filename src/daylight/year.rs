@@ -21,9 +21,13 @@ use crate::scene::disc::DiscWork;
 use crate::scene::{Camera, Scene, SiteEntry};
 use crate::sky::{Model, Sky, SunAt};
 use crate::task::Task;
+use crate::warning::Warning;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// A scene and its weather lie at one place, if they are no farther apart each way [degrees].
+const NEAR_DEG: f64 = 0.5;
 
 /// How finely a year is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +78,11 @@ pub struct Year {
 /// Those of [`Conditions::new`].
 pub fn conditions(mut scene: Scene, request: &Request, file: &WeatherFile) -> Result<Conditions> {
     scene.sun = None;
+    let elsewhere = scene.site.take().filter(|site| {
+        let apart = |a: f64, b: f64| ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs();
+        apart(site.latitude_deg, file.latitude_deg) > NEAR_DEG
+            || apart(site.longitude_deg, file.longitude_deg) > NEAR_DEG
+    });
     scene.site = Some(SiteEntry {
         latitude_deg: file.latitude_deg,
         longitude_deg: file.longitude_deg,
@@ -90,7 +99,21 @@ pub fn conditions(mut scene: Scene, request: &Request, file: &WeatherFile) -> Re
         timezone: None,
         ..request.clone()
     };
-    Conditions::new(scene, &request)
+    let mut conditions = Conditions::new(scene, &request)?;
+    if let Some(site) = elsewhere {
+        conditions.warnings.push(Warning::Mended {
+            problem: format!(
+                "the scene lies at {:.2}, {:.2} and the weather file {} at {:.2}, {:.2}",
+                site.latitude_deg,
+                site.longitude_deg,
+                file.file,
+                file.latitude_deg,
+                file.longitude_deg
+            ),
+            instead: "the sun is that of the weather file's place".into(),
+        });
+    }
+    Ok(conditions)
 }
 
 impl Year {
