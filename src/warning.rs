@@ -49,6 +49,13 @@ pub enum Warning {
         /// How many they are.
         count: usize,
     },
+    /// A scene in which nothing has a colour, and what is assumed instead.
+    AssumedReflectances {
+        /// The scene file.
+        file: String,
+        /// Triangles that are taken for floors, walls and ceilings.
+        triangles: [usize; 3],
+    },
     /// A scene whose size suggests that its unit is not the metre.
     OddSize {
         /// The scene file.
@@ -333,6 +340,9 @@ impl Warning {
             Warning::SameCameraName { .. } => {
                 Some("give each its own name in the program that made the file")
             }
+            Warning::AssumedReflectances { .. } => Some(
+                "give each material or object a [[material]] with its reflectance in a scene file",
+            ),
             Warning::OddSize { .. } => {
                 Some("give --scale with the metres in a unit, or --scale 1 if it is right")
             }
@@ -399,6 +409,14 @@ impl fmt::Display for Warning {
                 f,
                 "{file}: {count} cameras are called `{name}`; the name chooses the first"
             ),
+            Warning::AssumedReflectances { file, triangles } => {
+                let [floors, walls, ceilings] = triangles;
+                write!(
+                    f,
+                    "{file}: nothing has a colour; reflectances are those that EN 17037 assumes: floors 0.2 ({floors} triangles), \
+                     walls 0.5 ({walls}), ceilings 0.7 ({ceilings}), told apart by their slope"
+                )
+            }
             Warning::OddSize { file, size, scale } => {
                 let [x, y, z] = size.map(length);
                 let reason = match scale {

@@ -637,7 +637,7 @@ fn a_year_is_that_of_radiance() {
             let file = WeatherFile::read(&path).expect("it is sound");
             (file, each, [8, 16_384], [6, 4096], 0.02)
         }
-        _ => (made_up(ULM).read(), 120, [6, 4096], [5, 512], 0.04),
+        _ => (made_up(ULM).read(), 120, [6, 8192], [5, 2048], 0.035),
     };
     let sample = Sample {
         hours: some(&hours(&file).expect("it is sound"), each),

@@ -189,8 +189,11 @@ fn every_key_stands_in_an_example_which_is_a_scene() {
     let room = "mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl glass\nf 1/1 2/2 3/3\nusemtl housing\n\
                 f 3/3 2/2 1/1\n";
     std::fs::write(folder.join("room.obj"), room).expect("there is room");
-    std::fs::write(folder.join("room.mtl"), "newmtl glass\nnewmtl housing\n")
-        .expect("there is room");
+    std::fs::write(
+        folder.join("room.mtl"),
+        "newmtl glass\nnewmtl housing\nnewmtl plaster\nnewmtl carpet\n",
+    )
+    .expect("there is room");
     let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
         "nodes": [{"name": "Lamp.003"}, {"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],

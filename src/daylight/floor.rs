@@ -1,7 +1,7 @@
 //! The planes that a grid lies on: floors that are found or named, and surfaces by name.
 //!
 //! A floor is a level area that people can stand on. Level faces of one height, whatever side they show, are put together; of their
-//! connected areas of 1 m2 and more a floor is one of which most
+//! connected areas that are 1 m2 or more, and 0.8 m wide somewhere, a floor is one of which most
 //!
 //! - has 1.8 m of air above it, so that no shelf, no ground under a building and no void above a ceiling is one;
 //! - lies under something, a roof or glass, where there is any such area: roofs and the land around a house are floors of no room.
@@ -10,6 +10,7 @@
 
 use super::outline::Outline;
 use super::plane::Plane;
+use super::section::cut;
 use super::spec::{GridSpec, On};
 use crate::error::{Error, Result};
 use crate::scene::{Geometry, Ray, Scene};
@@ -24,12 +25,16 @@ const SAME_HEIGHT: f64 = 0.02;
 const HEADROOM: f64 = 1.8;
 /// The least floor that is found [m2].
 const LEAST_FLOOR: f64 = 1.0;
+/// The least width of a floor that is found: what is narrower are voids in walls [m].
+const LEAST_WIDTH: f64 = 0.8;
 /// Rays start so far above a floor [m].
 const CLEAR: f64 = 1e-3;
 /// Places of an area, each way, that are asked what is above them.
 const PROBES: u32 = 16;
 /// Walls are what is steep at this height above the floor: above tables and below lintels [m].
 const WALL: f64 = 1.8;
+/// Floors of a storey lie within this of its level [m].
+const STOREY: f64 = 0.25;
 /// A surface of more planes than this is curved.
 const MOST_PLANES: usize = 2000;
 
@@ -43,7 +48,7 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
         if triangles.is_empty() {
             let remedy = match scene.nearest_name(name) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => "`tyndall scene` lists the names of objects and materials".into(),
+                None => names(scene),
             };
             let problem = format!("the scene has no object and no material `{name}`");
             return Err(Error::input("--grid", problem, remedy));
@@ -57,6 +62,7 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
         On::Room(name) => (found(geometry, levels(scene, &named(name)?)), Some(name)),
         On::Floor(name) => (all(levels(scene, &named(name)?)), Some(name)),
     };
+    let areas = of_storey(areas, spec)?;
     if areas.is_empty() {
         let (of, remedy) = match name {
             Some(name) => (
@@ -88,6 +94,37 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
         divided(&name, &area.outline, &band, &frame, spec)
     });
     Ok(planes.collect())
+}
+
+/// The areas of the storey that a grid asks for, if it asks for one.
+fn of_storey(mut areas: Vec<Area>, spec: &GridSpec) -> Result<Vec<Area>> {
+    let Some(level) = spec.level.filter(|_| !areas.is_empty()) else {
+        return Ok(areas);
+    };
+    let mut heights: Vec<String> = areas.iter().map(|a| format!("{:.2}", a.height)).collect();
+    areas.retain(|area| (area.height - level).abs() <= STOREY);
+    if areas.is_empty() {
+        heights.dedup();
+        return Err(Error::input(
+            "--grid",
+            format!("no floor lies within {STOREY} m of level={level}"),
+            format!("there are floors at {} m", heights.join(", ")),
+        ));
+    }
+    Ok(areas)
+}
+
+/// What can be named, for people; the first few.
+fn names(scene: &Scene) -> String {
+    const MOST: usize = 12;
+    let mut names: Vec<&str> = scene.names().collect();
+    let more = names.len().saturating_sub(MOST);
+    names.truncate(MOST);
+    match (names.is_empty(), more) {
+        (true, _) => "the mesh names nothing: leave the name out, or give --points".into(),
+        (_, 0) => format!("there are {}", names.join(", ")),
+        _ => format!("there are {} and {more} more", names.join(", ")),
+    }
 }
 
 /// A connected level area, in plan: x, and -z.
@@ -203,7 +240,8 @@ fn all(areas: Vec<Area>) -> Vec<Area> {
 fn found(geometry: &Geometry, areas: Vec<Area>) -> Vec<Area> {
     let mut standing: Vec<(Area, bool)> = Vec::new();
     for area in areas {
-        if area.outline.area() < LEAST_FLOOR {
+        let edge = || Outline::around(area.outline.sides(), 0.5 * LEAST_WIDTH);
+        if area.outline.area() < LEAST_FLOOR || area.outline.without(&edge()).is_empty() {
             continue;
         }
         let probes = area.probes();
@@ -277,26 +315,13 @@ fn walls(scene: &Scene, area: &Area, spec: &GridSpec) -> Vec<[DVec2; 2]> {
         let [a, b, c] = corners(scene, triangle);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         (normal.y.abs() < 0.5)
-            .then(|| cut([a, b, c], height))
+            .then(|| cut([a, b, c], DVec3::Y * height, DVec3::Y))
             .flatten()
+            .map(|ends| ends.map(plan))
     };
     let all = (0..scene.mesh.triangles.len() as u32).filter_map(steep);
     let is_near = |[a, b]: &[DVec2; 2]| a.max(*b).cmpge(low).all() && a.min(*b).cmple(high).all();
     all.filter(is_near).collect()
-}
-
-/// Where a triangle meets a height, in plan.
-pub(super) fn cut(corners: [DVec3; 3], height: f64) -> Option<[DVec2; 2]> {
-    let mut ends = [DVec2::ZERO; 2];
-    let mut count = 0;
-    for i in 0..3 {
-        let (a, b) = (corners[i], corners[(i + 1) % 3]);
-        if (a.y > height) != (b.y > height) && count < 2 {
-            ends[count] = plan(a.lerp(b, (height - a.y) / (b.y - a.y)));
-            count += 1;
-        }
-    }
-    (count == 2).then_some(ends)
 }
 
 /// A plane's own axes.

@@ -28,6 +28,8 @@ pub struct GridSpec {
     pub spacing: f64,
     /// Width of the band along walls and edges that has no sensors [m], 0 to 100.
     pub inset: f64,
+    /// Only floors within 0.25 m of this height in the scene [m]: one storey.
+    pub level: Option<f64>,
     /// Whether sensors of a surface look from its back.
     pub back: bool,
 }
@@ -40,14 +42,15 @@ impl Default for GridSpec {
             plane: 0.85,
             spacing: 0.5,
             inset: 0.0,
+            level: None,
             back: false,
         }
     }
 }
 
 /// The keys of a grid.
-const KEYS: [&str; 7] = [
-    "plane", "spacing", "inset", "room", "floor", "surface", "side",
+const KEYS: [&str; 8] = [
+    "plane", "spacing", "inset", "level", "room", "floor", "surface", "side",
 ];
 
 impl GridSpec {
@@ -103,6 +106,7 @@ impl GridSpec {
                 "plane" => plane = Some(number(0.0, 100.0)?),
                 "spacing" => spec.spacing = number(0.01, 1000.0)?,
                 "inset" => spec.inset = number(0.0, 100.0)?,
+                "level" => spec.level = Some(number(-1e9, 1e9)?),
                 "room" => spec.on = named(On::Room)?,
                 "floor" => spec.on = named(On::Floor)?,
                 "surface" => spec.on = named(On::Surface)?,
@@ -123,6 +127,12 @@ impl GridSpec {
             return Err(wrong(
                 "`side` is of surfaces".into(),
                 "leave it out: planes over floors look up",
+            ));
+        }
+        if spec.level.is_some() && is_surface {
+            return Err(wrong(
+                "`level` is of floors".into(),
+                "leave it out: a surface is named",
             ));
         }
         spec.back = side.unwrap_or(false);

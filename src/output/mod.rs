@@ -5,16 +5,20 @@
 //! - [`hdr`]: the picture for programs that read Radiance's format
 //! - [`report`]: the record and the plan, for scripts
 //! - [`drawing`], [`canvas`], [`lettering`]: lines and words, as SVG and as pixels
+//! - [`scale`], [`isolines`], [`false_colour`]: values as colours, lines of equal value, luminance as a picture of both
 //! - [`atomic`]: how each file is written whole or not at all
 
 pub mod atomic;
 pub mod canvas;
 pub mod drawing;
 pub mod exr;
+pub mod false_colour;
 pub mod hdr;
+pub mod isolines;
 pub mod lettering;
 pub mod png;
 pub mod report;
+pub mod scale;
 
 use crate::error::{Error, Result};
 use crate::frame::Field;

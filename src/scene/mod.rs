@@ -39,7 +39,9 @@ mod parts;
 pub mod penumbra;
 pub mod placement;
 mod polygon;
+mod reflectance;
 pub mod shade;
+mod share;
 mod text;
 mod toml;
 pub mod tree;
@@ -74,6 +76,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// The objects that the triangles belong to, in their order; empty where nothing tells.
     pub parts: Vec<Part>,
+    /// The material of faces for which the mesh's file has none.
+    pub no_material: Option<u32>,
     /// Pictures that materials refer to.
     pub textures: Vec<Texture>,
     /// Materials that shine, by their index in [`Scene::materials`].

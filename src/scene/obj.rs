@@ -51,6 +51,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     let mut builder = Builder::new(&file, bytes, &mut model, &mut scene.materials, looks);
     builder.faces(&uses)?;
     let (assembly, untextured) = (builder.assembly, builder.untextured);
+    let no_material = builder.default;
     for (i, (entry, look)) in shelf.entries.iter().zip(&builder.looks).enumerate() {
         if entry.look.emission != DVec3::ZERO {
             let emission = Emission::plain(entry.look.emission);
@@ -61,6 +62,7 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
         }
     }
 
+    scene.no_material = no_material;
     let mesh = assembly.finish(&file, &mut scene.warnings);
     (scene.mesh, scene.parts) = mesh.map_err(|error| match model.faults.earliest() {
         Some((problem, lines)) => Error::input(

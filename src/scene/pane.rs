@@ -4,6 +4,7 @@ use super::assembly::decode_image;
 use super::files::{SceneFiles, file_of};
 use super::filling::Wrong;
 use super::glass::MOST_PANES;
+use super::share::Share;
 use super::{Scene, Texture, Wrap};
 use crate::error::{Error, Result, nearest};
 use crate::file;
@@ -57,14 +58,6 @@ pub(super) struct PaneTable {
     /// Panes one behind the other, which together let that much through; 1 when absent.
     #[schemars(range(min = 1, max = 3))]
     panes: Option<u32>,
-}
-
-/// A share of light, the same for all colours or linear Rec. 709.
-#[derive(Deserialize, JsonSchema, Clone, Copy)]
-#[serde(untagged)]
-enum Share {
-    Gray(#[schemars(range(min = 0.0, max = 1.0))] f64),
-    Rgb(#[schemars(inner(range(min = 0.0, max = 1.0)))] [f64; 3]),
 }
 
 /// Reads the tables of `scene_file` into the materials that they name; `wrong` names a key of one of them.
@@ -146,11 +139,7 @@ impl PaneTable {
         };
         for index in named {
             let pane = scene.materials[index].pane.get_or_insert(Pane::CLEAR);
-            pane.transmittance *= match self.transmittance {
-                None => DVec3::ONE,
-                Some(Share::Gray(share)) => DVec3::splat(share),
-                Some(Share::Rgb(shares)) => DVec3::from_array(shares),
-            };
+            pane.transmittance *= self.transmittance.map_or(DVec3::ONE, Share::rgb);
             pane.image = image;
             pane.count = self.panes.unwrap_or(1).clamp(1, MOST_PANES);
         }

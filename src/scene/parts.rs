@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::error::nearest;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Triangles of one object of the mesh's file.
@@ -34,12 +35,22 @@ impl Scene {
             .collect()
     }
 
+    /// The names of all objects, groups and materials that a face has, in alphabetical order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let mut is_used = vec![false; self.materials.len()];
+        for triangle in &self.mesh.triangles {
+            is_used[triangle.material as usize] = true;
+        }
+        let used = self.materials.iter().zip(is_used).filter(|(_, used)| *used);
+        let parts = self.parts.iter().flat_map(|part| &part.names);
+        let all = parts.chain(used.map(|(material, _)| &material.name));
+        let all: BTreeSet<&str> = all.map(String::as_str).collect();
+        all.into_iter().filter(|name| !name.is_empty())
+    }
+
     /// The object or material whose name is most like a word, if any is.
     pub fn nearest_name(&self, word: &str) -> Option<&str> {
-        let parts = self.parts.iter().flat_map(|part| &part.names);
-        let materials = self.materials.iter().map(|material| &material.name);
-        let all = parts.chain(materials).map(String::as_str);
-        nearest(word, all)
+        nearest(word, self.names())
     }
 
     /// The innermost name of the object that a triangle belongs to, or else its material's.

@@ -9,6 +9,7 @@ use super::filling::{Filling, MediumTable, Wrong};
 use super::lamp::LightTable;
 use super::pane::{self, PaneTable};
 use super::placement::{self, Placement};
+use super::reflectance::{self, MaterialTable};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
 use crate::error::{Error, Result};
 use crate::units::DEG;
@@ -53,6 +54,9 @@ struct SceneFile {
     /// Lamps; those of the mesh take part by themselves.
     #[serde(default)]
     light: Vec<LightTable>,
+    /// Reflectances that the mesh lacks, or that others take the place of.
+    #[serde(default)]
+    material: Vec<MaterialTable>,
     /// Materials of the mesh that are glass.
     #[serde(default)]
     pane: Vec<PaneTable>,
@@ -295,6 +299,7 @@ pub(super) fn load(
         let lamps = light.read(i, path, within, &scene.nodes, &wrong, &mut scene.warnings)?;
         scene.lamps.extend(lamps);
     }
+    reflectance::read(file.material, path, &mut scene, &wrong)?;
     pane::read(file.pane, path, within, &mut scene, &wrong)?;
     if let Some(picture) = file.picture {
         scene.picture = PictureEntry {

@@ -5,6 +5,7 @@ triangles: rows of nine coordinates and the number of a material; materials: row
 sky: radiances for elevations 0 to 90 degrees (rows) and azimuths 0 to 360 degrees from -Z over +X (columns), evenly spaced;
 suns: rows of a unit vector toward a sun that is a point, and its illuminances;
 ground: null, or height, albedo, extent and far: beyond `extent` [m] around the origin, the radiance of the plane where it lies open;
+panes: rows of nine coordinates of a triangle and the share of light that the glass leaves on one way along its normal (may be absent);
 points: rows of a place and a normal; ab, ad: the bounces and the divisions of a hemisphere; repeats: a list, how many hemispheres
 each point has; n: processes.
 
@@ -66,6 +67,10 @@ def description(given):
         corners = [turned(*triangle[k : k + 3]) for k in (0, 3, 6)]
         numbers = " ".join(f"{v:.12g}" for corner in corners for v in corner)
         parts.append(f"m{int(triangle[9])} polygon t{i} 0 0 9 {numbers}")
+    for i, pane in enumerate(given.get("panes", [])):
+        corners = [turned(*pane[k : k + 3]) for k in (0, 3, 6)]
+        numbers = " ".join(f"{v:.12g}" for corner in corners for v in corner)
+        parts.append(f"void glass g{i} 0 0 3 {row([pane[9]] * 3)}\ng{i} polygon p{i} 0 0 9 {numbers}")
     for i, sun in enumerate(given["suns"]):
         solid_angle = 2 * math.pi * (1 - math.cos(math.radians(SUN)))
         radiance = [e / solid_angle for e in sun[3:6]]

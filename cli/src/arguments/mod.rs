@@ -2,6 +2,7 @@
 
 pub mod backend;
 pub mod form;
+pub mod grid;
 pub mod memory;
 pub mod picture;
 pub mod place_time;

@@ -195,6 +195,11 @@ impl SceneArgs {
         Ok(scene)
     }
 
+    /// The sky that a flag asks for.
+    pub fn sky(&self) -> Option<&str> {
+        self.sky.as_deref()
+    }
+
     /// How place and time are read.
     pub fn request(&self) -> Request {
         Request {

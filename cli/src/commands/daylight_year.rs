@@ -34,7 +34,7 @@ use tyndall::{Error, Result};
 #[derive(Debug, Args)]
 pub struct YearArgs {
     /// A year of weather (.epw): the metrics of LM-83, UDI and EN 17037 of all sensors of --grid
-    #[arg(long, value_name = "FILE.epw", requires = "grid", conflicts_with_all = ["points", "time", "sun", "sky", "sun_hours"])]
+    #[arg(long, value_name = "FILE.epw", requires = "grid", conflicts_with_all = ["points", "time", "sun", "sky", "factor", "sun_hours"])]
     pub weather: Option<PathBuf>,
     /// With --weather: how finely the sky is divided: 1 (145 patches), 2 (577) or 4 (2305)
     #[arg(long, value_name = "1|2|4", default_value_t = 2, requires = "weather")]
@@ -57,7 +57,7 @@ pub struct YearArgs {
     #[arg(long, value_name = "COLUMN", requires = "weather")]
     show: Option<String>,
     /// The hours of sun of each sensor of --grid on a day, clouds left out
-    #[arg(long, value_name = "DATE", requires = "grid", conflicts_with_all = ["points", "time", "sun"])]
+    #[arg(long, value_name = "DATE", requires = "grid", conflicts_with_all = ["points", "time", "sun", "factor"])]
     pub sun_hours: Option<NaiveDate>,
     /// With --sun-hours: from this time of the local clock on
     #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time, default_value = "00:00")]
@@ -93,7 +93,8 @@ fn time(text: &str) -> Result<NaiveTime, String> {
 /// A step in seconds.
 fn step(text: &str) -> Result<u32, String> {
     let units = [("min", 60.0), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let found = (units.iter()).find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
+    let found =
+        (units.iter()).find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
     let (number, seconds) = found.unwrap_or((text, &1.0));
     match number.trim().parse::<f64>().map(|n| n * seconds) {
         Ok(seconds) if (1.0..=3600.0).contains(&seconds) && seconds.fract() == 0.0 => {
@@ -206,7 +207,12 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
     let turbidity = scene.sky.turbidity;
     let conditions = year::conditions(scene, &asked.scene.request(), &file)?;
     let sensors = Sensors::new(&conditions.scene, &conditions.geometry, asked.grids)?;
-    let hours = Hours::new(&file, conditions.scene.north_deg, turbidity, args.label_shift)?;
+    let hours = Hours::new(
+        &file,
+        conditions.scene.north_deg,
+        turbidity,
+        args.label_shift,
+    )?;
     tell::warnings(&conditions.warnings);
     tell::warnings(&hours.warnings);
     crate::commands::daylight_grid::tell(&sensors);
@@ -305,7 +311,11 @@ fn figures(report: &Report) -> String {
     let mut text = String::new();
     for room in &report.rooms {
         let name = tell::clean(&room.name);
-        let _ = writeln!(text, "{name}: {} sensors, {:.2} m2", room.sensors, room.area);
+        let _ = writeln!(
+            text,
+            "{name}: {} sensors, {:.2} m2",
+            room.sensors, room.area
+        );
         let width = room.figures.iter().map(|f| f.name.chars().count()).max();
         let width = width.unwrap_or(0);
         for figure in &room.figures {
@@ -351,8 +361,7 @@ fn of_day(args: &YearArgs, asked: &Asked, mut scene: Scene, date: NaiveDate) -> 
         ..Span::of_day(date)
     };
     let receivers = sensors.receivers();
-    let found =
-        watched(|task| SunHours::new(&conditions, &receivers, &site, &zone, &span, task))?;
+    let found = watched(|task| SunHours::new(&conditions, &receivers, &site, &zone, &span, task))?;
     let report = day_report(&sensors, &found, &span, &conditions, zone.name());
     for path in asked.files {
         match kind(path)? {

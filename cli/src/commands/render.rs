@@ -1,6 +1,7 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
 use crate::arguments::backend::BackendFlag;
+use crate::arguments::grid::scale;
 use crate::arguments::memory::MemoryArgs;
 use crate::arguments::picture::{Exposure, exposure_flag, output_space, space};
 use crate::arguments::scene::{PlanArgs, ViewArgs};
@@ -20,6 +21,7 @@ use tyndall::colour::{Space, exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
+use tyndall::output::scale::Scale;
 use tyndall::output::{self, Format};
 use tyndall::plan::Plan;
 
@@ -48,6 +50,9 @@ pub struct RenderArgs {
     /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2 [default: the scene's, or auto]
     #[arg(long, value_name = "auto|EV", allow_negative_numbers = true, value_parser = exposure_flag)]
     exposure: Option<Exposure>,
+    /// Show luminance [cd/m2] in the PNG as false colours with isolines and a legend, in a range: 0..2000
+    #[arg(long, value_name = "LOW..HIGH", value_parser = scale, conflicts_with = "exposure")]
+    false_colour: Option<Scale>,
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
     #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
     color_space: Space,
@@ -117,8 +122,21 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             Format::Exr => output::exr::write(path, &rendered.frame, &space, &layers)?,
             Format::Hdr => output::hdr::write(path, &rendered.frame, &space)?,
             Format::Png => {
-                let bytes = output::png::encode(&rendered.frame, ev100);
-                output::png::write(path, rendered.frame.width, rendered.frame.height, &bytes)?;
+                let (size, bytes) = match &args.false_colour {
+                    Some(scale) => {
+                        let scale = scale.clone().named("luminance", "cd/m2");
+                        let shown = output::false_colour::picture(&rendered.frame, &scale);
+                        (
+                            [shown.width(), shown.height()].map(|side| side as u32),
+                            shown.bytes(),
+                        )
+                    }
+                    None => {
+                        let size = [rendered.frame.width, rendered.frame.height];
+                        (size, output::png::encode(&rendered.frame, ev100))
+                    }
+                };
+                output::png::write(path, size[0], size[1], &bytes)?;
             }
         }
     }

@@ -33,7 +33,7 @@ const fn of_results(results: &'static [&'static str]) -> Batch {
 }
 
 /// The layers that have a column of their own, in the order of the results behind their sum; the last where there are lamps.
-const LAYERS: [Field; 4] = [Field::Sun, Field::Sky, Field::Indirect, Field::Lights];
+pub const LAYERS: [Field; 4] = [Field::Sun, Field::Sky, Field::Indirect, Field::Lights];
 
 /// Finds the illuminance of points, piece by piece with one backend: what the first has made serves all.
 pub struct Meter<'a> {

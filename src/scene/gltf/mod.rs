@@ -102,6 +102,8 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Scene> {
     };
     if last > 0 && !is_used(last) {
         scene.materials.pop();
+    } else {
+        scene.no_material = Some(last as u32);
     }
     Ok(scene)
 }

@@ -1,0 +1,909 @@
+//! Grids of sensors: where they are; what they receive through windows by closed forms and by RADIANCE; maps that can be read back.
+//!
+//! `TYNDALL_TRUTHS=glazed cargo test --release --test daylight_grid radiance` makes RADIANCE's truth anew (about ten minutes).
+
+mod common;
+
+use common::build::{cuboid, quad};
+use common::files::Folder;
+use common::receive::{self, Deviations, form_factor, gauss, y};
+use common::rooms::{Room, panel, room};
+use glam::{DVec2, DVec3, dvec2, dvec3};
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+use std::fmt::Write;
+use std::path::PathBuf;
+use tyndall::backend::Wanted;
+use tyndall::conditions::{Conditions, Receiver};
+use tyndall::daylight::grid::{GridSpec, Sensors};
+use tyndall::daylight::map::{self, Caption};
+use tyndall::daylight::{assumed, factor};
+use tyndall::frame::Frame;
+use tyndall::output::false_colour;
+use tyndall::output::scale::Scale;
+use tyndall::scene::{Geometry, Placement, Scene, SunEntry, Up, load, load_placed};
+use tyndall::studies::scenes::Corners;
+
+/// Named objects of an OBJ file.
+type Objects<'a> = [(&'a str, Vec<Corners>)];
+
+fn obj(objects: &Objects) -> String {
+    let mut text = String::new();
+    let mut count = 0;
+    for (name, triangles) in objects {
+        writeln!(text, "o {name}").expect("text");
+        for corners in triangles {
+            for p in corners {
+                writeln!(text, "v {} {} {}", p.x, p.y, p.z).expect("text");
+            }
+            writeln!(text, "f {} {} {}", count + 1, count + 2, count + 3).expect("text");
+            count += 3;
+        }
+    }
+    text
+}
+
+fn built(objects: &Objects) -> Scene {
+    let folder = Folder::new();
+    folder.load("a.obj", obj(objects)).expect("it loads")
+}
+
+fn grid(scene: &Scene, spec: &str) -> Sensors {
+    let spec = GridSpec::parse(spec).expect("it can be read");
+    Sensors::new(scene, &Geometry::new(scene), &[spec]).expect("there are sensors")
+}
+
+/// Places of sensors in plan, in millimetres.
+fn places(sensors: &Sensors) -> Vec<[i64; 2]> {
+    let place = |p: DVec3| [p.x, p.z].map(|v| (1e3 * v).round() as i64);
+    (sensors.points.iter())
+        .map(|s| place(s.receiver.position))
+        .collect()
+}
+
+/// A level rectangle.
+fn level(low: [f64; 2], high: [f64; 2], height: f64) -> Vec<Corners> {
+    let size = dvec2(high[0] - low[0], high[1] - low[1]);
+    quad(
+        dvec3(low[0], height, low[1]),
+        DVec3::Z * size.y,
+        DVec3::X * size.x,
+    )
+    .to_vec()
+}
+
+/// A closed box that shows its front to the outside.
+fn solid(low: DVec3, high: DVec3) -> Vec<Corners> {
+    let middle = 0.5 * (low + high);
+    let outward = |[a, b, c]: Corners| match (b - a).cross(c - a).dot(a - middle) > 0.0 {
+        true => [a, b, c],
+        false => [a, c, b],
+    };
+    cuboid(low, high).into_iter().map(outward).collect()
+}
+
+/// A closed box that shows its front to the inside: a room of sheets.
+fn hollow(low: DVec3, high: DVec3) -> Vec<Corners> {
+    solid(low, high)
+        .into_iter()
+        .map(|[a, b, c]| [a, c, b])
+        .collect()
+}
+
+#[test]
+fn an_l_shaped_room_has_its_shape() {
+    let mut floor = level([0.0, 0.0], [6.0, 2.0], 0.0);
+    floor.extend(level([0.0, 2.0], [2.0, 5.0], 0.0));
+    let mut ceiling = level([0.0, 0.0], [6.0, 2.0], 2.7);
+    ceiling.extend(level([0.0, 2.0], [2.0, 5.0], 2.7));
+    let scene = built(&[("Floor", floor), ("Ceiling", ceiling)]);
+    let sensors = grid(&scene, "plane=0.85,spacing=0.5");
+    assert_eq!(sensors.planes.len(), 1);
+    assert_eq!(sensors.planes[0].name, "Floor");
+    assert!((sensors.area() - 18.0).abs() < 1e-6, "{}", sensors.area());
+    assert_eq!(sensors.points.len(), 72);
+    assert!(sensors.left_out.is_empty());
+    let inside =
+        |[x, z]: [i64; 2]| (0..6000).contains(&x) && (0..2000).contains(&z) || x < 2000 && z < 5000;
+    assert!(places(&sensors).into_iter().all(inside));
+    assert!(
+        sensors
+            .points
+            .iter()
+            .all(|s| s.receiver.position.y == 0.85 && s.receiver.normal == DVec3::Y)
+    );
+    // The same again, and in the same order.
+    assert_eq!(
+        sensors.points,
+        grid(&scene, "plane=0.85,spacing=0.5").points
+    );
+    // A band of half a metre, round the inner corner too.
+    let band = grid(&scene, "inset=0.5,spacing=0.25,floor=Floor");
+    let corner = dvec2(2.0, 2.0);
+    for sensor in &band.points {
+        let p = sensor.receiver.position;
+        assert!(p.x > 0.5 && p.z > 0.5 && p.x < 5.5 && p.z < 4.5);
+        assert!(p.x < 1.5 || p.z < 1.5 || corner.distance(dvec2(p.x, p.z)) > 0.5);
+    }
+    let exact = 5.0 * 1.0 + 1.0 * 3.0 + 0.25 * (1.0 - PI / 4.0);
+    assert!((band.planes[0].outline.area() - exact).abs() < 5e-3);
+    // Turned by 30 degrees, cells follow the walls: as many, of the same size.
+    let mut turned = scene.clone();
+    let turn = glam::DMat3::from_rotation_y(PI / 6.0);
+    turned
+        .mesh
+        .positions
+        .iter_mut()
+        .for_each(|p| *p = turn * *p);
+    let turned = grid(&turned, "plane=0.85,spacing=0.5");
+    assert_eq!(turned.points.len(), 72);
+    assert!((turned.area() - 18.0).abs() < 1e-6);
+}
+
+#[test]
+fn walls_and_columns_have_no_sensors() {
+    let column = || solid(dvec3(2.0, 0.0, 1.5), dvec3(3.0, 3.0, 2.5));
+    let shell = |hollow: bool| {
+        let (low, high) = (DVec3::ZERO, dvec3(6.0, 3.0, 4.0));
+        if hollow {
+            self::hollow(low, high)
+        } else {
+            solid(low, high)
+        }
+    };
+    let in_column = |sensors: &Sensors| {
+        let inside = |[x, z]: &[i64; 2]| (2000..3000).contains(x) && (1500..2500).contains(z);
+        places(sensors).iter().filter(|p| inside(p)).count()
+    };
+    // Right way round, and a room whose faces are turned to the outside, in which the column is 0.7 m wide.
+    let right = grid(
+        &built(&[("Room", shell(true)), ("Column", column())]),
+        "spacing=0.25",
+    );
+    assert_eq!(in_column(&right), 0);
+    assert_eq!(right.points.len(), 24 * 16 - 16);
+    assert_eq!(right.left_out.len(), 1);
+    assert_eq!(right.left_out[0].count, 16);
+    let narrow = solid(dvec3(2.1, 0.0, 1.6), dvec3(2.8, 3.0, 2.3));
+    let turned = grid(
+        &built(&[("Room", shell(false)), ("Column", narrow.clone())]),
+        "spacing=0.25",
+    );
+    assert!(turned.left_out[0].count >= 4, "{:?}", turned.left_out);
+    let inside = |[x, z]: [i64; 2]| (2100..2800).contains(&x) && (1600..2300).contains(&z);
+    assert!(!places(&turned).into_iter().any(inside));
+    // A column that is open above and below is one too, and stands 0.5 m off.
+    let open: Vec<Corners> = (column().into_iter())
+        .filter(|[a, b, c]| (*b - *a).cross(*c - *a).normalize().y.abs() < 0.5)
+        .collect();
+    let open = grid(
+        &built(&[("Room", shell(true)), ("Column", open)]),
+        "spacing=0.25,inset=0.5",
+    );
+    assert_eq!(in_column(&open), 0);
+    let off = |[x, z]: [i64; 2]| {
+        let d = |v: i64, low: i64, high: i64| (low - v).max(v - high).max(0) as f64;
+        d(x, 2000, 3000).hypot(d(z, 1500, 2500)) >= 499.0
+    };
+    assert!(places(&open).into_iter().all(off));
+    // A table below the plane, a board at its height, and one that stands on its own floor.
+    let table = solid(dvec3(1.0, 0.7, 1.0), dvec3(2.0, 0.75, 2.0));
+    let board = solid(dvec3(4.0, 0.8, 1.0), dvec3(5.0, 0.9, 2.0));
+    let scene = built(&[("Room", shell(true)), ("Table", table), ("Board", board)]);
+    let sensors = grid(&scene, "spacing=0.5");
+    assert_eq!(sensors.planes.len(), 1, "tables are no floors");
+    assert_eq!(sensors.points.len(), 12 * 8 - 4);
+}
+
+#[test]
+fn one_slab_with_rooms_has_none_in_the_walls() {
+    let slab = solid(dvec3(0.0, -0.3, 0.0), dvec3(8.0, 0.0, 4.0));
+    let ceiling = solid(dvec3(0.0, 2.7, 0.0), dvec3(8.0, 3.0, 4.0));
+    let wall = |a: [f64; 2], b: [f64; 2]| solid(dvec3(a[0], 0.0, a[1]), dvec3(b[0], 2.7, b[1]));
+    let mut walls = wall([0.0, 0.0], [8.0, 0.3]);
+    walls.extend(wall([0.0, 3.7], [8.0, 4.0]));
+    for x in [0.0, 4.0, 7.7] {
+        walls.extend(wall([x, 0.3], [x + 0.3, 3.7]));
+    }
+    // The land around reaches below the house.
+    let land = level([-20.0, -20.0], [30.0, 30.0], -0.4);
+    let scene = built(&[
+        ("Slab", slab),
+        ("Ceiling", ceiling),
+        ("Walls", walls),
+        ("Land", land),
+    ]);
+    let sensors = grid(&scene, "spacing=0.1");
+    assert_eq!(sensors.planes.len(), 1);
+    assert_eq!(sensors.planes[0].name, "Slab");
+    let is_free = |[x, z]: [i64; 2]| {
+        let (x, z) = (x as f64 / 1e3, z as f64 / 1e3);
+        (0.3..3.7).contains(&z) && ((0.3..4.0).contains(&x) || (4.3..7.7).contains(&x))
+    };
+    assert!(places(&sensors).into_iter().all(is_free));
+    let cells = 80 * 40;
+    let free = 34 * (37 + 34);
+    assert_eq!(sensors.points.len(), free);
+    assert_eq!(
+        sensors.left_out.iter().map(|l| l.count).sum::<usize>(),
+        cells - free
+    );
+}
+
+#[test]
+fn under_a_sloped_roof_none_stands_outside() {
+    // A ridge of 3 m over eaves of 0.2 m, 8 m wide: at 0.85 m the plane is open over 6.14 m.
+    let (eaves, ridge, wide, deep) = (0.2, 3.0, 8.0, 5.0);
+    let half = |side: f64| {
+        let foot = dvec3(side * 0.5 * wide, eaves, 0.0);
+        quad(
+            foot,
+            dvec3(-side * 0.5 * wide, ridge - eaves, 0.0),
+            DVec3::Z * deep,
+        )
+        .to_vec()
+    };
+    let mut roof = half(1.0);
+    roof.extend(half(-1.0));
+    let floor = level([-4.0, 0.0], [4.0, deep], 0.0);
+    let scene = built(&[("Floor", floor), ("Roof", roof)]);
+    let sensors = grid(&scene, "plane=0.85,spacing=0.5");
+    let open = 0.5 * wide * (ridge - 0.85) / (ridge - eaves);
+    assert!(
+        places(&sensors)
+            .iter()
+            .all(|[x, _]| (*x as f64 / 1e3).abs() < open)
+    );
+    assert_eq!(sensors.points.len(), 12 * 10);
+    assert_eq!(sensors.left_out[0].count, 4 * 10);
+    assert!(
+        sensors.left_out[0].why.contains("outside"),
+        "{:?}",
+        sensors.left_out
+    );
+}
+
+#[test]
+fn floors_above_one_another_are_two_and_units_do_not_count() {
+    let storey = |y: f64| hollow(dvec3(0.0, y, 0.0), dvec3(5.0, y + 2.6, 4.0));
+    let house = |scale: f64| {
+        let scaled = |triangles: Vec<Corners>| {
+            triangles
+                .into_iter()
+                .map(|t| t.map(|p| scale * p))
+                .collect()
+        };
+        [
+            ("Lower", scaled(storey(0.0))),
+            ("Upper", scaled(storey(2.9))),
+        ]
+    };
+    let metres = grid(&built(&house(1.0)), "spacing=0.5");
+    let heights: Vec<f64> = metres.planes.iter().map(|p| p.origin.y).collect();
+    assert_eq!(heights.len(), 2);
+    assert!(
+        (heights[0] - 0.85).abs() < 1e-9 && (heights[1] - 3.75).abs() < 1e-9,
+        "{heights:?}"
+    );
+    assert_eq!(
+        (
+            metres.planes[0].name.as_str(),
+            metres.planes[1].name.as_str()
+        ),
+        ("Lower", "Upper")
+    );
+    let upper = grid(&built(&house(1.0)), "spacing=0.5,room=Upper");
+    assert_eq!(upper.points.len(), 80);
+    assert_eq!(2 * upper.points.len(), metres.points.len());
+    let storey = grid(&built(&house(1.0)), "spacing=0.5,level=3");
+    assert_eq!(storey.points, upper.points);
+    // Millimetres with Z up.
+    let upright = |[a, b, c]: Corners| [a, b, c].map(|p| dvec3(p.x, -p.z, p.y));
+    let turned =
+        house(1000.0).map(|(name, t)| (name, t.into_iter().map(upright).collect::<Vec<_>>()));
+    let folder = Folder::new();
+    let path = folder.put("a.obj", obj(&turned));
+    let placement = Placement {
+        scale: Some(0.001),
+        up: Some(Up::Z),
+    };
+    let scene = load_placed(&path, placement).expect("it loads");
+    let same = grid(&scene, "spacing=0.5");
+    assert_eq!(places(&same), places(&metres));
+    let areas = [&same, &metres].map(Sensors::area);
+    assert!(
+        (areas[0] - areas[1]).abs() < 1e-6 && (areas[0] - 40.0).abs() < 1e-6,
+        "{areas:?}"
+    );
+}
+
+#[test]
+fn surfaces_and_wrong_names() {
+    let scene = built(&[
+        ("Room", hollow(DVec3::ZERO, dvec3(4.0, 3.0, 5.0))),
+        (
+            "Board",
+            quad(dvec3(1.0, 1.0, 0.01), DVec3::X * 2.0, DVec3::Y).to_vec(),
+        ),
+    ]);
+    let board = grid(&scene, "surface=Board,spacing=0.25");
+    assert_eq!(board.points.len(), 32);
+    assert!(
+        board
+            .points
+            .iter()
+            .all(|s| s.receiver.normal == DVec3::Z && (s.area - 0.0625).abs() < 1e-9)
+    );
+    let back = grid(&scene, "surface=Board,spacing=0.25,side=back,plane=0.005");
+    assert!(back.points.iter().all(
+        |s| (s.receiver.position.z - 0.005).abs() < 1e-12 && s.receiver.normal == DVec3::NEG_Z
+    ));
+    let geometry = Geometry::new(&scene);
+    let refused = |spec: &str| {
+        let spec = GridSpec::parse(spec).expect("it can be read");
+        Sensors::new(&scene, &geometry, &[spec])
+            .expect_err("it is wrong")
+            .to_string()
+    };
+    assert!(refused("room=Bord").contains("did you mean `Board`?"));
+    assert!(refused("room=Board").contains("is a floor"));
+    assert!(refused("level=7").contains("there are floors at 0.00 m"));
+    assert!(refused("inset=2.5").contains("no sensor finds room"));
+    for (bad, said) in [
+        ("plain=1", "did you mean `plane`?"),
+        ("plane=low", "no number"),
+        ("spacing=0", "0.01 to 1000 m"),
+        ("room=A,floor=B", "only one"),
+        ("plane=1,plane=2", "twice"),
+        ("side=back", "of surfaces"),
+        ("room", "no key with a value"),
+    ] {
+        let error = GridSpec::parse(bad).expect_err(bad);
+        assert!(
+            error.is_input() && error.to_string().contains(said),
+            "{bad}: {error}"
+        );
+    }
+    let named = GridSpec::parse("room=Hall, north, spacing=0.3").expect("names may hold commas");
+    assert_eq!(
+        serde_json::to_value(&named.on).expect("JSON"),
+        json!({"kind": "room", "name": "Hall, north"})
+    );
+}
+
+/// What an opening gives to a point [1], as a share of the illuminance of open ground: the integral of L cos(theta) over it, for a sky
+/// whose luminance by the sine of elevation is given, with `whole` for the whole dome.
+fn sky_component(
+    point: &Receiver,
+    corner: DVec3,
+    a: DVec3,
+    b: DVec3,
+    sky: impl Fn(f64) -> f64,
+    whole: f64,
+) -> f64 {
+    let nodes = gauss(40);
+    let normal = a.cross(b);
+    let mut sum = 0.0;
+    for (u, wu) in &nodes {
+        for (v, wv) in &nodes {
+            let way = corner + *u * a + *v * b - point.position;
+            let distance = way.length();
+            let toward = way / distance;
+            let solid = normal.dot(toward).abs() / (distance * distance);
+            sum += wu * wv * solid * sky(toward.y) * point.normal.dot(toward).max(0.0);
+        }
+    }
+    sum / whole
+}
+
+/// A black room with one opening, over which sensors lie.
+fn black_room(is_skylight: bool) -> (Scene, [DVec3; 3]) {
+    let (low, high) = (DVec3::ZERO, dvec3(4.0, 3.0, 5.0));
+    let (opening, name) = match is_skylight {
+        true => (
+            [dvec3(1.0, 3.0, 1.5), DVec3::X * 1.5, DVec3::Z * 2.0],
+            DVec3::Y,
+        ),
+        false => (
+            [dvec3(0.8, 1.2, 0.0), DVec3::X * 2.4, DVec3::Y * 1.3],
+            DVec3::NEG_Z,
+        ),
+    };
+    let mut triangles: Vec<Corners> = hollow(low, high)
+        .into_iter()
+        .filter(|[a, b, c]| (*b - *a).cross(*c - *a).normalize().dot(name) > -0.5)
+        .collect();
+    triangles.extend(match is_skylight {
+        true => panel(
+            DVec3::Y * 3.0,
+            DVec3::X,
+            DVec3::Z,
+            [4.0, 5.0],
+            &[[1.0, 2.5, 1.5, 3.5]],
+        ),
+        false => panel(
+            DVec3::ZERO,
+            DVec3::X,
+            DVec3::Y,
+            [4.0, 3.0],
+            &[[0.8, 3.2, 1.2, 2.5]],
+        ),
+    });
+    let mut scene = built(&[("Room", triangles)]);
+    scene
+        .materials
+        .iter_mut()
+        .for_each(|m| m.base_color = DVec3::ZERO);
+    scene.ground.albedo = 0.0;
+    (scene, opening)
+}
+
+#[test]
+fn windows_give_the_sky_components_of_closed_forms() {
+    let mut off = Deviations::default();
+    // The quadrature is Lambert's form factor where the sky is uniform.
+    let corner = [dvec3(0.8, 1.2, 0.0), DVec3::X * 2.4, DVec3::Y * 1.3];
+    let point = receive::at(dvec3(1.3, 0.85, 2.0), DVec3::Y);
+    let by_nodes = sky_component(&point, corner[0], corner[1], corner[2], |_| 1.0, PI);
+    let exact = form_factor(&point, &receive::rectangle(corner[0], corner[1], corner[2]));
+    assert!((by_nodes / exact - 1.0).abs() < 1e-9, "{by_nodes} {exact}");
+    for is_skylight in [false, true] {
+        let (scene, [corner, a, b]) = black_room(is_skylight);
+        let sensors = grid(&scene, "plane=0.85,spacing=0.7");
+        let points = sensors.receivers();
+        for (name, model) in [("uniform", "uniform:1000"), ("overcast", "cie:16")] {
+            let under = match model {
+                "cie:16" => factor::overcast(scene.clone(), None).expect("it is overcast"),
+                _ => receive::sky(receive::sun(scene.clone(), [180.0, 45.0], 0.0), model),
+            };
+            let conditions = receive::conditions(under, &points);
+            let open = conditions
+                .sky
+                .as_ref()
+                .expect("there is one")
+                .horizontal_illuminance();
+            let open = tyndall::colour::luminance(open);
+            let found = y(&receive::received(&conditions, Wanted::Reference).total());
+            let found: Vec<f64> = found.iter().map(|lux| 100.0 * lux / open).collect();
+            // Moon & Spencer 1942: L = Lz (1 + 2 sin) / 3, whose illuminance of open ground is 7 pi / 9 Lz.
+            let truth = points.iter().map(|p| match name {
+                "uniform" => 100.0 * sky_component(p, corner, a, b, |_| 1.0, PI),
+                _ => {
+                    100.0
+                        * sky_component(p, corner, a, b, |s| (1.0 + 2.0 * s) / 3.0, 7.0 * PI / 9.0)
+                }
+            });
+            let truth: Vec<f64> = truth.collect();
+            let window = if is_skylight {
+                "level window"
+            } else {
+                "upright window"
+            };
+            off.near(
+                &format!("{window}, {name} sky, {} sensors", points.len()),
+                &found,
+                &truth,
+                0.01,
+            );
+        }
+    }
+    off.end();
+}
+
+/// The furnished room with double glazing; the share that the glass of each pane leaves on one way; points.
+const LEFT_BY_GLASS: f64 = 0.9;
+
+/// The room of the truth, with every fourth of its points.
+fn glazed() -> Room {
+    let mut glazed = room("furnished", 1.0).expect("it is in the list");
+    glazed.points = glazed.points.into_iter().step_by(4).collect();
+    glazed
+}
+
+/// Illuminance of open ground by the truth's sky, and of its suns [lx], with their azimuths and elevations [degrees].
+const TRUE_SKY: f64 = 1e4;
+const TRUE_SUNS: [([f64; 2], f64); 2] = [([197.0, 33.0], 76_000.0), ([62.0, 41.0], 48_000.0)];
+
+/// The window, 2.4 by 1.5 m in the southern wall.
+const WINDOW: [DVec3; 3] = [
+    dvec3(0.8, 0.9, 0.0),
+    dvec3(2.4, 0.0, 0.0),
+    dvec3(0.0, 1.5, 0.0),
+];
+
+/// RADIANCE's task: three channels, sky alone, a sun in the window without ground, a sun from the north-east with it. The two panes are
+/// sheets of glass a millimetre apart.
+fn task(room: &Room) -> Value {
+    let triangles: Vec<Vec<f64>> = (room.triangles.iter())
+        .map(|(corners, material)| {
+            let numbers = corners.iter().flat_map(|c| c.to_array());
+            numbers.chain([f64::from(*material)]).collect()
+        })
+        .collect();
+    let zenith = 9.0 * TRUE_SKY / (7.0 * PI);
+    let row = |elevation: i32| {
+        let luminance = zenith * (1.0 + 2.0 * f64::from(elevation).to_radians().sin()) / 3.0;
+        vec![[luminance, 0.0, 0.0]; 361]
+    };
+    let toward = |[azimuth, elevation]: [f64; 2]| {
+        let [a, e] = [azimuth, elevation].map(f64::to_radians);
+        [e.cos() * a.sin(), e.sin(), -e.cos() * a.cos()]
+    };
+    let sun = |k: usize| {
+        let (place, lux) = TRUE_SUNS[k];
+        let mut channels = [0.0; 3];
+        channels[k + 1] = lux;
+        [toward(place), channels].concat()
+    };
+    let albedo = [room.ground, 0.0, room.ground];
+    let (place, lux) = TRUE_SUNS[1];
+    let far = [
+        room.ground * TRUE_SKY / PI,
+        0.0,
+        room.ground * lux * toward(place)[1] / PI,
+    ];
+    let panes: Vec<Vec<f64>> = [0.0, 0.001]
+        .into_iter()
+        .flat_map(|z| quad(WINDOW[0] + z * DVec3::Z, WINDOW[1], WINDOW[2]))
+        .map(|corners| {
+            let numbers = corners.iter().flat_map(|c| c.to_array());
+            numbers.chain([LEFT_BY_GLASS]).collect()
+        })
+        .collect();
+    let up = |p: &DVec3| json!([p.x, p.y, p.z, 0.0, 1.0, 0.0]);
+    json!({
+        "triangles": triangles,
+        "materials": room.reflectances.iter().map(|r| r.to_array()).collect::<Vec<_>>(),
+        "sky": (0..=90).map(row).collect::<Vec<_>>(),
+        "suns": [sun(0), sun(1)],
+        "ground": { "height": -0.2, "albedo": albedo, "extent": 60.0, "far": far },
+        "panes": panes,
+        "points": room.points.iter().map(up).collect::<Vec<_>>(),
+        "ab": 40,
+        "ad": 32_768,
+        "repeats": vec![20; room.points.len()],
+    })
+}
+
+fn truth_file() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/truth/glazed.csv")
+}
+
+/// Makes the truth and stores it.
+fn make(test: &str, room: &Room) -> Option<()> {
+    let text = common::python(test, "rtrace.py", &task(room).to_string())?;
+    let out: Value = serde_json::from_str(&text).expect("rtrace.py prints JSON");
+    let rows =
+        |name: &str| -> Vec<[f64; 3]> { serde_json::from_value(out[name].clone()).expect("rows") };
+    let mut text = format!(
+        "# furnished room with double glazing: illuminance [lx] by each of three lights, in {:.0} s\n# {}\n",
+        out["seconds"].as_f64().expect("a time"),
+        out["command"].as_str().expect("a command"),
+    );
+    let error = |(mean, spread): (&[f64; 3], &[f64; 3])| {
+        (0..3)
+            .map(|k| spread[k] / mean[k] / 20f64.sqrt())
+            .fold(0.0, f64::max)
+    };
+    let (means, spreads) = (rows("illuminances"), rows("spread"));
+    let worst = means.iter().zip(&spreads).map(error).fold(0.0, f64::max);
+    writeln!(
+        text,
+        "# standard error of the worst point {:.2} %",
+        100.0 * worst
+    )
+    .expect("text");
+    text += "x,y,z,sky,sun in the window,sun from the north-east\n";
+    for (p, [a, b, c]) in room.points.iter().zip(means) {
+        writeln!(
+            text,
+            "{:.4},{:.4},{:.4},{a:.3},{b:.3},{c:.3}",
+            p.x, p.y, p.z
+        )
+        .expect("text");
+    }
+    std::fs::write(truth_file(), text).expect("the truth can be written");
+    Some(())
+}
+
+/// What two panes let through of light at an angle [rad], by polarisation averaged: Stokes' pile; and what two in a row do without light
+/// that goes to and fro between them.
+fn double(angle: f64) -> [f64; 2] {
+    let n = 1.52;
+    let (c, inside) = (angle.cos(), (1.0 - (angle.sin() / n).powi(2)).sqrt());
+    let a = LEFT_BY_GLASS.powf(1.0 / inside);
+    let of = |t: f64| {
+        let r = 1.0 - t;
+        let through = t * t * a / (1.0 - (r * a).powi(2));
+        let back = r + r * t * t * a * a / (1.0 - (r * a).powi(2));
+        (through * through / (1.0 - back * back), through)
+    };
+    let across = of(4.0 * n * c * inside / (c + n * inside).powi(2));
+    let along = of(4.0 * n * c * inside / (n * c + inside).powi(2));
+    let mean = |a: f64, b: f64| 0.5 * (a + b);
+    [mean(across.0, along.0), mean(across.1, along.1).powi(2)]
+}
+
+#[test]
+fn a_furnished_room_behind_glass_has_the_light_that_radiance_gives_it() {
+    let test = "a_furnished_room_behind_glass_has_the_light_that_radiance_gives_it";
+    let room = glazed();
+    if std::env::var("TYNDALL_TRUTHS").is_ok_and(|names| names == "glazed")
+        && make(test, &room).is_none()
+    {
+        return;
+    }
+    let text = std::fs::read_to_string(truth_file()).expect("the truth is stored");
+    let rows: Vec<Vec<f64>> = (text.lines().filter(|l| !l.starts_with(['#', 'x'])))
+        .map(|l| l.split(',').map(|v| v.parse().expect("a number")).collect())
+        .collect();
+    let points: Vec<Receiver> = room
+        .points
+        .iter()
+        .map(|p| receive::at(*p, DVec3::Y))
+        .collect();
+    assert!(rows.iter().zip(&points).all(
+        |(row, p)| (p.position.x - row[0]).abs() < 1e-4 && (p.position.z - row[2]).abs() < 1e-4
+    ));
+    // Of the sun's beam RADIANCE leaves out what goes to and fro between the panes; it comes in at one angle.
+    let [azimuth, elevation] = TRUE_SUNS[0].0.map(f64::to_radians);
+    let [pile, row] = double((-elevation.cos() * azimuth.cos()).acos());
+    let under = |sky: bool, sun: Option<usize>, albedo: f64, count: u32| -> Conditions {
+        let mut scene = room.under(&common::rooms::WEATHER[0]);
+        common::panes::Window {
+            count,
+            ..common::panes::Window::plain(WINDOW[0], [WINDOW[1], WINDOW[2]], double(0.0)[0])
+        }
+        .put_into(&mut scene);
+        if !sky {
+            scene.sky = tyndall::scene::SkyEntry::default();
+        }
+        let ([azimuth_deg, elevation_deg], lux) =
+            sun.map_or(([180.0, 40.0], 0.0), |k| TRUE_SUNS[k]);
+        scene.sun = Some(SunEntry {
+            azimuth_deg,
+            elevation_deg,
+            illuminance: Some(lux),
+            diameter_deg: Some(0.0),
+        });
+        scene.ground.albedo = albedo;
+        receive::conditions(scene, &points)
+    };
+    let lux =
+        |conditions: &Conditions| y(&receive::received(conditions, Wanted::Reference).total());
+    let mut off = Deviations::default();
+    let mut judge = |name: &str, found: &[f64], truth: &[f64]| {
+        let all: Vec<f64> = found.iter().zip(truth).map(|(f, t)| f / t - 1.0).collect();
+        let mean = found.iter().sum::<f64>() / truth.iter().sum::<f64>() - 1.0;
+        let rms = (all.iter().map(|d| d * d).sum::<f64>() / all.len() as f64).sqrt();
+        let worst = all.iter().fold(0.0, |w: f64, d| w.max(d.abs()));
+        off.note(&format!("{name}, mean"), mean.abs(), 0.005);
+        off.note(&format!("{name}, RMS"), rms, 0.01);
+        off.note(&format!("{name}, worst of {}", all.len()), worst, 0.03);
+    };
+    let channel = |k: usize| rows.iter().map(move |row| row[3 + k]);
+    let overcast = under(true, None, room.ground, 2);
+    let open = tyndall::colour::luminance(
+        overcast
+            .sky
+            .as_ref()
+            .expect("there is one")
+            .horizontal_illuminance(),
+    );
+    let sky: Vec<f64> = channel(0).map(|lux| lux * open / TRUE_SKY).collect();
+    judge("overcast", &lux(&overcast), &sky);
+    let north_east: Vec<f64> = sky.iter().zip(channel(2)).map(|(a, b)| a + b).collect();
+    judge(
+        "sun from the north-east",
+        &lux(&under(true, Some(1), room.ground, 2)),
+        &north_east,
+    );
+    let beam: Vec<f64> = channel(1).map(|lux| lux * pile / row).collect();
+    judge(
+        "sun in the window",
+        &lux(&under(false, Some(0), 0.0, 2)),
+        &beam,
+    );
+    // One pane that lets as much through at normal incidence is another window.
+    let single = lux(&under(true, None, room.ground, 1));
+    let mean = single.iter().sum::<f64>() / sky.iter().sum::<f64>() - 1.0;
+    eprintln!(
+        "one pane of the same transmittance: mean {:+.2} %",
+        100.0 * mean
+    );
+    assert!(mean.abs() > 0.002, "{mean}");
+    off.end();
+}
+
+#[test]
+fn maps_can_be_read_back() {
+    let scene = built(&[("Room", hollow(DVec3::ZERO, dvec3(6.0, 3.0, 4.0)))]);
+    let sensors = grid(&scene, "spacing=0.5");
+    // A linear field, whose lines are straight.
+    let values: Vec<f64> = (sensors.points.iter())
+        .map(|s| 100.0 + 250.0 * s.receiver.position.x + 30.0 * s.receiver.position.z)
+        .collect();
+    let scale = Scale::parse("illuminance", "lx", "0..2000").expect("a range");
+    let caption = Caption {
+        title: "a <room>".into(),
+        lines: vec!["sky: none".into()],
+    };
+    let svg = map::draw(&scene, &sensors, &values, &scale, &caption).svg();
+    // What each cell tells is what its colour means by the legend.
+    let cells: Vec<(&str, f64)> = (svg.lines().filter(|l| l.contains(" lx</title>")))
+        .map(|l| {
+            let fill = l
+                .split("fill=\"")
+                .nth(1)
+                .expect("a colour")
+                .split('"')
+                .next()
+                .expect("a colour");
+            let tip = l
+                .split("<title>")
+                .nth(1)
+                .expect("a tip")
+                .split(' ')
+                .next()
+                .expect("a number");
+            (fill, tip.parse().expect("a number"))
+        })
+        .collect();
+    let (cells, legend) = cells.split_at(values.len());
+    assert_eq!(legend.len(), 64);
+    let code =
+        |hex: &str| [1, 3, 5].map(|i| i32::from_str_radix(&hex[i..i + 2], 16).expect("a colour"));
+    let apart = |a: &str, b: &str| -> i32 {
+        code(a)
+            .iter()
+            .zip(code(b))
+            .map(|(a, b)| (a - b).pow(2))
+            .sum()
+    };
+    for ((fill, told), value) in cells.iter().zip(&values) {
+        assert!((told / value - 1.0).abs() < 0.005, "{told} {value}");
+        let nearest = legend
+            .iter()
+            .min_by_key(|(other, _)| apart(fill, other))
+            .expect("a legend");
+        assert!(
+            (nearest.1 - value).abs() < 2000.0 / 64.0,
+            "{} {value}",
+            nearest.1
+        );
+    }
+    // Isolines: all thin dark lines with more than two points or of two; each is straight.
+    let lines: Vec<Vec<DVec2>> = (svg.lines().filter(|l| l.contains("stroke-width=\"1.1\"")))
+        .map(|l| {
+            let points = l
+                .split("points=\"")
+                .nth(1)
+                .expect("points")
+                .split('"')
+                .next()
+                .expect("points");
+            let point = |p: &str| {
+                let (x, y) = p.split_once(',').expect("two numbers");
+                dvec2(x.parse().expect("x"), y.parse().expect("y"))
+            };
+            points.split(' ').map(point).collect()
+        })
+        .collect();
+    // 200, 400 ... 1600 cross the room.
+    assert_eq!(lines.len(), 8);
+    for line in &lines {
+        let (a, b) = (line[0], line[line.len() - 1]);
+        let off = |p: &DVec2| (b - a).normalize().perp_dot(*p - a).abs();
+        assert!(
+            line.len() > 5 && line.iter().all(|p| off(p) < 0.02),
+            "{line:?}"
+        );
+    }
+    for word in [
+        "a &lt;room>",
+        "sky: none",
+        ">N</text>",
+        "2 m",
+        "illuminance",
+        "1000",
+        "Room: plane 0.85 m",
+    ] {
+        assert!(svg.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn false_colours_are_those_of_the_legend() {
+    // Luminance rises from left to right, 0 to 2000.
+    let (width, height) = (200, 120);
+    let value = |x: usize| 2000.0 * (x as f64 + 0.5) / width as f64;
+    let grey = (0..width * height).map(|i| glam::Vec3::splat(value(i % width) as f32));
+    let frame = Frame::map(width as u32, height as u32, grey.collect());
+    let scale = Scale::parse("luminance", "cd/m2", "0..2000").expect("a range");
+    let shown = false_colour::picture(&frame, &scale);
+    let bytes = shown.bytes();
+    let pixel = |x: usize, y: usize| {
+        let at = 3 * (y * shown.width() + x);
+        [0, 1, 2].map(|k| i32::from(bytes[at + k]))
+    };
+    assert!(shown.width() > width && shown.height() == height);
+    // Between lines and numbers the picture has the colour that the bar beside it has at that value.
+    let size = 9.0;
+    let (top, bottom) = (5.0 * size, height as f64 - 1.5 * size);
+    let bar = width + (1.75 * size) as usize;
+    for x in [10, 30, 70, 110, 150, 190] {
+        let place = value(x) / 2000.0;
+        let y = (bottom + place * (top - bottom)) as usize;
+        let off: i32 = pixel(x, 3)
+            .iter()
+            .zip(pixel(bar, y))
+            .map(|(a, b)| (a - b).abs())
+            .sum();
+        assert!(off < 24, "{x}: {:?} {:?}", pixel(x, 3), pixel(bar, y));
+    }
+    // A line stands where 1000 is: dark in the middle.
+    let dark = (95..106).any(|x| pixel(x, 20).iter().sum::<i32>() < 150);
+    assert!(dark);
+}
+
+#[test]
+fn reflectances_by_name_and_by_slope() {
+    let folder = Folder::new();
+    folder.put(
+        "a.obj",
+        obj(&[("Room", hollow(DVec3::ZERO, dvec3(4.0, 3.0, 5.0)))]),
+    );
+    let toml = |more: &str| folder.put("a.toml", format!("mesh = \"a.obj\"\n{more}"));
+    let mut plain = load(&toml("")).expect("it loads");
+    assumed::reflectances(&mut plain);
+    let reflectance = |scene: &Scene, normal: DVec3| {
+        let mesh = &scene.mesh;
+        let is_own = |t: &&tyndall::scene::Triangle| {
+            let [a, b, c] = t.vertices.map(|v| mesh.positions[v as usize]);
+            (b - a).cross(c - a).normalize().dot(normal) > 0.9
+        };
+        let triangle = mesh.triangles.iter().find(is_own).expect("there is one");
+        scene.materials[triangle.material as usize].base_color.x
+    };
+    let [floor, wall, ceiling] = [DVec3::Y, DVec3::X, DVec3::NEG_Y];
+    assert_eq!(
+        [floor, wall, ceiling].map(|n| reflectance(&plain, n)),
+        [0.2, 0.5, 0.7]
+    );
+    let said = plain
+        .warnings
+        .iter()
+        .map(ToString::to_string)
+        .collect::<String>();
+    assert!(
+        said.contains("floors 0.2 (2 triangles), walls 0.5 (8), ceilings 0.7 (2)"),
+        "{said}"
+    );
+    // Faces that are turned do not make a floor a ceiling.
+    let mut turned = built(&[("Room", solid(DVec3::ZERO, dvec3(4.0, 3.0, 5.0)))]);
+    assumed::reflectances(&mut turned);
+    assert_eq!(
+        [DVec3::NEG_Y, DVec3::X, DVec3::Y].map(|n| reflectance(&turned, n)),
+        [0.2, 0.5, 0.7]
+    );
+    // What has a reflectance keeps it.
+    let mut named =
+        load(&toml("[[material]]\nname = \"Room\"\nreflectance = 0.35\n")).expect("it loads");
+    assumed::reflectances(&mut named);
+    assert_eq!(
+        [floor, wall, ceiling].map(|n| reflectance(&named, n)),
+        [0.35; 3]
+    );
+    let error = load(&toml("[[material]]\nname = \"Rom\"\nreflectance = 0.35\n"))
+        .expect_err("no such name");
+    assert!(
+        error.to_string().contains("did you mean `Room`?"),
+        "{error}"
+    );
+    for bad in ["reflectance = 1.2", "reflectance = [0.5, 0.5]", ""] {
+        assert!(
+            load(&toml(&format!("[[material]]\nname = \"Room\"\n{bad}\n")))
+                .is_err_and(|e| e.is_input())
+        );
+    }
+}
