@@ -5,14 +5,28 @@
 //! - [`assumed`]: reflectances where the mesh has none
 //! - [`factor`]: daylight factors, and what is said of the values of a grid
 //! - [`map`]: a grid's values as a drawing
+//! - [`epw`], [`hours`]: weather files, and the sun and the sky of each of their hours
+//! - [`year`], [`table`], [`metrics`]: the illuminance of sensors hour by hour, and what standards make of it
+//! - [`report`], [`page`], [`heat_map`]: what is told of it, as numbers and as one page
+//! - [`direct_sun`], [`sun_hours`]: what comes straight from the sun, and for how long on a day
 
 pub mod assumed;
+pub mod direct_sun;
+pub mod epw;
 pub mod factor;
 pub mod floor;
 pub mod grid;
+pub mod heat_map;
+pub mod hours;
 pub mod inside;
 pub mod map;
+pub mod metrics;
 pub mod outline;
+pub mod page;
 mod plane;
+pub mod report;
 pub mod section;
 mod spec;
+pub mod sun_hours;
+pub mod table;
+pub mod year;

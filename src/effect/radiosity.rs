@@ -194,13 +194,9 @@ const LATTICE: Keep = Keep {
     reads: LIGHT.reads,
 };
 
-/// Transport and light of a scene, kept.
-fn solution(
-    conditions: &Conditions,
-    settings: &Settings<'_>,
-    kept: &Keeper<'_>,
-) -> Result<(Arc<Transport>, Arc<Light>)> {
-    let detail = Detail {
+/// How finely light is carried by the knobs of this effect.
+pub fn detail(settings: &Settings<'_>) -> Detail {
+    Detail {
         sky: settings.get("sky") as u32,
         care: Care {
             rays: settings.get("rays") as usize,
@@ -212,7 +208,16 @@ fn solution(
         hemicube: settings.get("hemicube") as usize,
         hemicube_spots: settings.get("hemicube_spots") as usize,
         patch_spots: settings.get("patch_spots") as usize,
-    };
+    }
+}
+
+/// Transport and light of a scene, kept.
+fn solution(
+    conditions: &Conditions,
+    settings: &Settings<'_>,
+    kept: &Keeper<'_>,
+) -> Result<(Arc<Transport>, Arc<Light>)> {
+    let detail = detail(settings);
     let transport = kept.get(&TRANSPORT, conditions, settings, |task| {
         Transport::new(conditions, detail, kept.drawer(), task)
     })?;

@@ -14,6 +14,7 @@ use super::transport::Transport;
 use crate::colour::luminance;
 use crate::conditions::Conditions;
 use crate::error::Result;
+use crate::sky::patches::Patch;
 use crate::task::Task;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -69,7 +70,9 @@ impl Light {
         let sky = sky.map_or(vec![DVec3::ZERO; transport.dome.len()], |sky| {
             transport.dome.radiances(sky)
         });
-        let [open_sky, open_sun] = on_open_ground(transport, conditions, &sky);
+        let receives = open_sky(transport, conditions);
+        let open_sky: DVec3 = receives.iter().zip(&sky).map(|(r, l)| *r * *l).sum();
+        let open_sun = open_sun(conditions);
         let open_ground =
             conditions.ground.map_or(DVec3::ZERO, |g| g.albedo) / PI * (open_sky + open_sun);
         let mut light = Light {
@@ -176,7 +179,7 @@ impl Light {
 }
 
 /// The value of a tile, or of the smallest one around it that has one.
-fn off(tiles: &[(Tile, Vec3)], tile: Tile) -> Option<Vec3> {
+pub(super) fn off(tiles: &[(Tile, Vec3)], tile: Tile) -> Option<Vec3> {
     if tiles.is_empty() {
         return None;
     }
@@ -203,24 +206,32 @@ fn together(one: Vec<(Tile, Vec3)>, other: Vec<(Tile, Vec3)>) -> Vec<(Tile, Vec3
     tiles.into_iter().map(sum).collect()
 }
 
-/// What ground receives that lies open: from the sky, and from the sun [lx, RGB].
-fn on_open_ground(transport: &Transport, conditions: &Conditions, sky: &[DVec3]) -> [DVec3; 2] {
+/// What ground receives that lies open for a radiance of 1 of each patch of the sky [lx per cd/m2, RGB]; without a ground, nothing.
+pub(super) fn open_sky(transport: &Transport, conditions: &Conditions) -> Vec<DVec3> {
     let Some(ground) = conditions.ground else {
-        return [DVec3::ZERO; 2];
+        return vec![DVec3::ZERO; transport.dome.len()];
     };
-    let air = &conditions.air;
     let place = DVec3::new(0.0, ground.height, 0.0);
-    let mut whole = DVec3::ZERO;
-    for (patch, radiance) in transport.dome.patches().iter().zip(sky) {
-        let depth = air.sky_optical_depth(place, patch.direction);
-        whole += patch.projected * *radiance * (-depth).exp();
-    }
+    let patches = transport.dome.patches().iter();
+    let receives = |patch: &Patch| {
+        let depth = conditions.air.sky_optical_depth(place, patch.direction);
+        patch.projected * (-depth).exp()
+    };
+    patches.map(receives).collect()
+}
+
+/// What ground receives from the sun that lies open [lx, RGB].
+pub(super) fn open_sun(conditions: &Conditions) -> DVec3 {
     let sun = &conditions.sun;
-    if !sun.shines() || sun.toward.y <= 0.0 {
-        return [whole, DVec3::ZERO];
-    }
-    let depth = air.sun_optical_depth(place, sun.toward);
-    [whole, sun.light.illuminance * sun.toward.y * (-depth).exp()]
+    let Some(ground) = conditions
+        .ground
+        .filter(|_| sun.shines() && sun.toward.y > 0.0)
+    else {
+        return DVec3::ZERO;
+    };
+    let place = DVec3::new(0.0, ground.height, 0.0);
+    let depth = conditions.air.sun_optical_depth(place, sun.toward);
+    sun.light.illuminance * sun.toward.y * (-depth).exp()
 }
 
 /// What each patch sends in the end [lm/m2, RGB], for what it receives from outside.

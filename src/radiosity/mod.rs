@@ -9,6 +9,7 @@ pub mod air;
 mod arrival;
 mod build;
 mod cells;
+mod coefficients;
 mod direct;
 mod dome;
 mod exchange;
@@ -29,6 +30,7 @@ mod tiles;
 mod transport;
 
 pub use arrival::{Arrival, Care, Source};
+pub use coefficients::Coefficients;
 pub use dome::Dome;
 pub use hemicube::{Drawer, Eye, FACES, Hemicube, Target};
 pub use lattice::{Lattice, Received};

@@ -6,6 +6,7 @@ use crate::arguments::grid::{GridArgs, scale};
 use crate::arguments::memory::MemoryArgs;
 use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::commands::daylight_grid::{self, Grid};
+use crate::commands::daylight_year::{self, Asked, YearArgs};
 use crate::machine;
 use crate::tables::daylight_batch::{Done, Meter};
 use crate::tables::printer::{As, Form};
@@ -32,12 +33,15 @@ the meter faces, of any length; it looks up where they are left out. Every row c
 illuminance in lux: `illuminance` is the whole, `sun` and `sky` what comes straight from them, `indirect` what surfaces and the \
 ground send on; a scene with lamps has `lights` too, what comes straight from them.\n\n\
 With --grid the points are found: on a plane over all floors, over those of a room or an object, or on a surface by name. A summary \
-is printed, and -o writes a map (.png, .svg) or all values (.csv, .json).\n\n\
+is printed, and -o writes a map (.png, .svg) or all values (.csv, .json). With --weather it is a year of hours with the metrics of \
+standards, and -o page.html one page of all that; with --sun-hours the hours of sun on a day.\n\n\
 Examples:\n  \
 tyndall daylight room.glb --at 48.8584,2.2945 --time 2026-06-21T12:00 --points desk.csv\n  \
 tyndall daylight room.glb --sun 180,30 --sky cie:1 --points desk.csv --csv > lux.csv\n  \
 tyndall daylight room.glb --at 48.8584,2.2945 --time 2026-06-21T12:00 --grid plane=0.85,spacing=0.5 -o map.png -o map.csv\n  \
 tyndall daylight room.glb --factor --grid plane=0.85,spacing=0.25,inset=0.5,room=Kitchen -o factor.svg\n  \
+tyndall daylight room.glb --grid plane=0.76,spacing=0.6 --weather chicago.epw -o page.html -o year.csv\n  \
+tyndall daylight street.glb --at 48.1,11.6 --grid plane=1.2,spacing=1 --sun-hours 2026-03-21 -o sun.svg\n  \
 seq 0 0.5 4 | awk 'BEGIN{print \"x,y,z\"}{print $1\",0.8,0\"}' | tyndall daylight room.glb --sun 180,30 --points -")]
 pub struct DaylightArgs {
     #[command(flatten)]
@@ -50,7 +54,7 @@ pub struct DaylightArgs {
     /// Daylight factors under an overcast sky, cie:16 unless --sky says cie:1; place and time do not count
     #[arg(long, requires = "grid")]
     factor: bool,
-    /// With --grid: a file to write, by its ending .png or .svg (a map), .csv or .json; may be repeated
+    /// With --grid: a file to write, by its ending .png or .svg (a map), .csv, .json, or of a year .html; may be repeated
     #[arg(short, long, value_name = "FILE", requires = "grid")]
     output: Vec<PathBuf>,
     /// The range of the map's colours, in lx or % [default: found from the values]
@@ -59,6 +63,8 @@ pub struct DaylightArgs {
     /// Stop at the first broken row, and print nothing
     #[arg(long, conflicts_with = "grid")]
     strict: bool,
+    #[command(flatten)]
+    year: YearArgs,
     #[command(flatten)]
     plan: PlanArgs,
     /// What computes: auto uses a hardware adapter, else the CPU reference; gpu also accepts a software adapter
@@ -75,6 +81,19 @@ pub struct DaylightArgs {
 
 /// Runs `tyndall daylight`.
 pub fn run(args: &DaylightArgs) -> Result<()> {
+    if args.year.is_asked() {
+        return daylight_year::run(
+            &args.year,
+            &Asked {
+                scene: &args.scene,
+                plan: &args.plan,
+                grids: &args.grid.grid,
+                files: &args.output,
+                scale: args.false_colour.as_ref(),
+                form: args.form,
+            },
+        );
+    }
     let start = Instant::now();
     let conditions = conditions(args)?;
     let mut in_use = args.scene.files(&conditions.scene);

@@ -7,6 +7,7 @@ pub mod accuracy_shafts;
 pub mod completions;
 pub mod daylight;
 pub mod daylight_grid;
+pub mod daylight_year;
 pub mod doctor;
 pub mod photometry;
 pub mod plan;

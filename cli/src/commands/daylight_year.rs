@@ -1,0 +1,479 @@
+//! `tyndall daylight --weather` and `--sun-hours`: a year of hours with its metrics, and the hours of sun on a day.
+
+use crate::arguments::form::FormArgs;
+use crate::arguments::scene::{PlanArgs, SceneArgs};
+use crate::tables::printer::As;
+use crate::tables::stdout;
+use crate::tell;
+use chrono::{NaiveDate, NaiveTime};
+use clap::Args;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use tyndall::conditions::{CameraChoice, Conditions, Request};
+use tyndall::daylight::assumed;
+use tyndall::daylight::epw::WeatherFile;
+use tyndall::daylight::grid::{GridSpec, Sensors};
+use tyndall::daylight::hours::Hours;
+use tyndall::daylight::map::{self, Caption};
+use tyndall::daylight::metrics::{ByPoint, Metrics};
+use tyndall::daylight::page::{self, Picture};
+use tyndall::daylight::report::{Line, Of, Report, hours_csv};
+use tyndall::daylight::sun_hours::{self, Span, SunHours};
+use tyndall::daylight::year::{self, Fineness, Year};
+use tyndall::ephemeris::{Site, civil};
+use tyndall::output::scale::Scale;
+use tyndall::output::{self, atomic};
+use tyndall::scene::{Camera, Scene};
+use tyndall::task::{Step, Task};
+use tyndall::{Error, Result};
+
+/// A year of weather, or the hours of sun on a day.
+#[derive(Debug, Args)]
+pub struct YearArgs {
+    /// A year of weather (.epw): the metrics of LM-83, UDI and EN 17037 of all sensors of --grid
+    #[arg(long, value_name = "FILE.epw", requires = "grid", conflicts_with_all = ["points", "time", "sun", "sky", "factor", "sun_hours"])]
+    pub weather: Option<PathBuf>,
+    /// With --weather: how finely the sky is divided: 1 (145 patches), 2 (577) or 4 (2305)
+    #[arg(long, value_name = "1|2|4", default_value_t = 2, requires = "weather")]
+    patches: u32,
+    /// With --weather: write the illuminance of each sensor in each hour of the year
+    #[arg(long, value_name = "FILE.csv", requires = "weather")]
+    hours: Option<PathBuf>,
+    /// With --weather: take the sun so many hours later than the file's labels say [default: found from the irradiance]
+    #[arg(
+        long,
+        value_name = "H",
+        requires = "weather",
+        allow_negative_numbers = true
+    )]
+    label_shift: Option<f64>,
+    /// With --weather: the ground has the mean albedo of the weather file, not the scene's
+    #[arg(long, requires = "weather")]
+    weather_albedo: bool,
+    /// With --weather or --sun-hours: what a map shows, a column of the table [default: da300_pct]
+    #[arg(long, value_name = "COLUMN", requires = "weather")]
+    show: Option<String>,
+    /// The hours of sun of each sensor of --grid on a day, clouds left out
+    #[arg(long, value_name = "DATE", requires = "grid", conflicts_with_all = ["points", "time", "sun", "factor"])]
+    pub sun_hours: Option<NaiveDate>,
+    /// With --sun-hours: from this time of the local clock on
+    #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time, default_value = "00:00")]
+    from: NaiveTime,
+    /// With --sun-hours: to this time of the local clock [default: midnight]
+    #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time)]
+    to: Option<NaiveTime>,
+    /// With --sun-hours: how long a step is
+    #[arg(long, value_name = "STEP", requires = "sun_hours", value_parser = step, default_value = "5min")]
+    every: u32,
+    /// With --sun-hours: the sun counts from this height on, in degrees (EN 17037 has one for each place)
+    #[arg(
+        long,
+        value_name = "DEG",
+        requires = "sun_hours",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    least_elevation: f64,
+}
+
+impl YearArgs {
+    /// Whether anything of it is asked for.
+    pub fn is_asked(&self) -> bool {
+        self.weather.is_some() || self.sun_hours.is_some()
+    }
+}
+
+fn time(text: &str) -> Result<NaiveTime, String> {
+    NaiveTime::parse_from_str(text, "%H:%M").map_err(|_| "write it like 07:30".into())
+}
+
+/// A step in seconds.
+fn step(text: &str) -> Result<u32, String> {
+    let units = [("min", 60.0), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let found =
+        (units.iter()).find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
+    let (number, seconds) = found.unwrap_or((text, &1.0));
+    match number.trim().parse::<f64>().map(|n| n * seconds) {
+        Ok(seconds) if (1.0..=3600.0).contains(&seconds) && seconds.fract() == 0.0 => {
+            Ok(seconds as u32)
+        }
+        _ => Err("write whole seconds, 1s to 1h, as in 5min".into()),
+    }
+}
+
+/// What the command's other flags say.
+pub struct Asked<'a> {
+    /// The scene.
+    pub scene: &'a SceneArgs,
+    /// Quality and knobs.
+    pub plan: &'a PlanArgs,
+    /// The grids.
+    pub grids: &'a [GridSpec],
+    /// Files to write.
+    pub files: &'a [PathBuf],
+    /// The scale of maps, if it is not to be found from the values.
+    pub scale: Option<&'a Scale>,
+    /// How the summary is printed.
+    pub form: FormArgs,
+}
+
+/// The kinds of files.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Map,
+    Csv,
+    Json,
+    Page,
+}
+
+fn kind(file: &Path) -> Result<Kind> {
+    let ending = file.extension().unwrap_or_default().to_string_lossy();
+    match ending.to_ascii_lowercase().as_str() {
+        "png" | "svg" => Ok(Kind::Map),
+        "csv" => Ok(Kind::Csv),
+        "json" => Ok(Kind::Json),
+        "html" | "htm" => Ok(Kind::Page),
+        _ => Err(Error::input(
+            format!("-o {}", file.display()),
+            "the name does not say what to write",
+            "let it end in .png or .svg for a map, .csv or .json for numbers, .html for a page",
+        )),
+    }
+}
+
+/// Runs what is asked for.
+///
+/// # Errors
+/// Those of scenes, weather files, grids and of writing.
+pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
+    let mut scene = asked.scene.load()?;
+    let mut in_use = asked.scene.files(&scene);
+    in_use.extend(args.weather.iter().map(|f| (f.clone(), "the weather file")));
+    for file in asked.files {
+        kind(file)?;
+    }
+    for file in asked.files.iter().chain(&args.hours) {
+        output::check_apart("-o", file, &in_use)?;
+        atomic::check(file)?;
+        in_use.push((file.clone(), "another of the files"));
+    }
+    assumed::reflectances(&mut scene);
+    match (&args.weather, args.sun_hours) {
+        (Some(weather), _) => of_year(args, asked, scene, weather),
+        (None, Some(date)) => of_day(args, asked, scene, date),
+        (None, None) => Ok(()),
+    }
+}
+
+/// Watches a task on the terminal.
+fn watched<T>(work: impl FnOnce(Task) -> Result<T>) -> Result<T> {
+    let bar = tell::bar();
+    let progress = |step: Step| tell::step(&bar, step);
+    let result = work(Task::new(&progress, None));
+    bar.finish_and_clear();
+    result
+}
+
+fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> Result<()> {
+    let mut stages = Vec::new();
+    let mut begin = Instant::now();
+    let mut done = |name: &str| {
+        stages.push((name.to_owned(), begin.elapsed().as_secs_f64()));
+        begin = Instant::now();
+    };
+    let show = args.show.as_deref().unwrap_or("da300_pct");
+    let column = ByPoint::NAMES.iter().position(|name| *name == show);
+    let column = column.ok_or_else(|| {
+        Error::input(
+            format!("--show {show}"),
+            "there is no such column",
+            format!("the columns are {}", ByPoint::NAMES.join(", ")),
+        )
+    })?;
+    let file = WeatherFile::read(weather)?;
+    if args.weather_albedo {
+        let albedo = file.mean_albedo().ok_or_else(|| {
+            Error::input(
+                "--weather-albedo",
+                format!("{} has no albedo", file.file),
+                "leave it out: the ground then has the scene's",
+            )
+        })?;
+        scene.ground.albedo = albedo;
+    }
+    let turbidity = scene.sky.turbidity;
+    let conditions = year::conditions(scene, &asked.scene.request(), &file)?;
+    let sensors = Sensors::new(&conditions.scene, &conditions.geometry, asked.grids)?;
+    let hours = Hours::new(
+        &file,
+        conditions.scene.north_deg,
+        turbidity,
+        args.label_shift,
+    )?;
+    tell::warnings(&conditions.warnings);
+    tell::warnings(&hours.warnings);
+    crate::commands::daylight_grid::tell(&sensors);
+    done("read");
+    let overrules = asked.plan.overrules();
+    let fineness = Fineness {
+        patches: args.patches,
+        ..Fineness::new(overrules.quality, &overrules.set)
+    };
+    let year = watched(|task| Year::new(&conditions, sensors.receivers(), &fineness, task))?;
+    done("coefficients");
+    let clock = |hour: &tyndall::daylight::hours::Hour| {
+        f64::from(hour.hour) - 0.5 + f64::from(u8::from(file.is_summer(hour.date)))
+    };
+    let table = watched(|task| year.table(&hours, clock, task))?;
+    done("hours");
+    let metrics = Metrics::new(&table, &year.factors(16)?);
+    let quality = Line {
+        name: "quality".into(),
+        value: match overrules.set.is_empty() {
+            true => overrules.quality.name().into(),
+            false => format!("{}, {:?}", overrules.quality.name(), overrules.set),
+        },
+    };
+    let report = Report::new(Of {
+        year: &year,
+        sensors: &sensors,
+        file: &file,
+        hours: &hours,
+        table: &table,
+        metrics: &metrics,
+        fineness: &fineness,
+        inputs: vec![quality],
+    });
+    let map = |column: usize, scale: Option<&Scale>| {
+        let values: Vec<f64> = metrics.points.iter().map(|p| p.values()[column]).collect();
+        let scale = scale_of(ByPoint::NAMES[column], &values, scale);
+        let caption = Caption {
+            title: scale.title(),
+            lines: vec![format!("weather: {}", file.name)],
+        };
+        map::draw(&conditions.scene, &sensors, &values, &scale, &caption)
+    };
+    for path in asked.files {
+        match kind(path)? {
+            Kind::Map => map(column, asked.scale).save(path)?,
+            Kind::Csv => write(path, &report.sensors_csv())?,
+            Kind::Json => output::report::write(path, &report)?,
+            Kind::Page => {
+                let maps = [2, 3, 6, 9].map(|column| Picture {
+                    title: ByPoint::NAMES[column].into(),
+                    svg: map(column, None).svg(),
+                });
+                write(path, &page::html(&report, &maps))?;
+            }
+        }
+    }
+    if let Some(path) = &args.hours {
+        write(path, &hours_csv(&file, &table))?;
+    }
+    done("files");
+    match As::table_or(asked.form) {
+        As::Csv => stdout::print(report.figures_csv())?,
+        As::Json => stdout::print_json(&report)?,
+        As::Table => stdout::print(figures(&report))?,
+    }
+    let files: Vec<PathBuf> = asked.files.iter().chain(&args.hours).cloned().collect();
+    if !files.is_empty() {
+        tell::files(&files);
+    }
+    tell::stages(&stages);
+    Ok(())
+}
+
+/// The scale of a column.
+fn scale_of(column: &str, values: &[f64], given: Option<&Scale>) -> Scale {
+    let (name, unit) = match column.rsplit_once('_') {
+        Some((name, "pct")) => (name, "%"),
+        Some((name, unit)) => (name, unit),
+        None => (column, ""),
+    };
+    match given {
+        Some(scale) => scale.clone().named(name, unit),
+        None if unit == "%" && name != "factor" => Scale::new(name, unit, 0.0, 100.0)
+            .unwrap_or_else(|_| Scale::of(name, unit, values.iter().copied())),
+        None => Scale::of(name, unit, values.iter().copied()),
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    atomic::write(path, |file| file.write_all(text.as_bytes()))
+}
+
+/// The figures for people.
+fn figures(report: &Report) -> String {
+    let mut text = String::new();
+    for room in &report.rooms {
+        let name = tell::clean(&room.name);
+        let _ = writeln!(
+            text,
+            "{name}: {} sensors, {:.2} m2",
+            room.sensors, room.area
+        );
+        let width = room.figures.iter().map(|f| f.name.chars().count()).max();
+        let width = width.unwrap_or(0);
+        for figure in &room.figures {
+            let value = figure.value.map_or("-".into(), page::shown);
+            let _ = writeln!(
+                text,
+                "  {:width$}  {value:>7} {:<15} {}",
+                figure.name, figure.unit, figure.verdict
+            );
+        }
+    }
+    text
+}
+
+fn of_day(args: &YearArgs, asked: &Asked, mut scene: Scene, date: NaiveDate) -> Result<()> {
+    let Some(entry) = scene.site.clone() else {
+        return Err(Error::input(
+            "--sun-hours",
+            "the scene has no place",
+            "give --at LAT,LON, or [site] in the scene file",
+        ));
+    };
+    let site = Site::new(entry.latitude_deg, entry.longitude_deg, entry.elevation)?;
+    scene.sun = None;
+    scene.time = Some(format!("{date}T12:00"));
+    let request = asked.scene.request();
+    let zone = request.timezone.as_deref().or(entry.timezone.as_deref());
+    let zone = civil::zone_for(zone, &site, date)?;
+    let origin = Camera::look_at(glam::DVec3::ZERO, glam::DVec3::NEG_Z, 1.0);
+    let request = Request {
+        camera: CameraChoice::Given(origin),
+        ..request
+    };
+    let conditions = Conditions::new(scene, &request)?;
+    tell::warnings(&conditions.warnings);
+    let sensors = Sensors::new(&conditions.scene, &conditions.geometry, asked.grids)?;
+    crate::commands::daylight_grid::tell(&sensors);
+    let span = Span {
+        from: args.from,
+        to: args.to,
+        step_s: args.every,
+        least_elevation_deg: args.least_elevation,
+        ..Span::of_day(date)
+    };
+    let receivers = sensors.receivers();
+    let found = watched(|task| SunHours::new(&conditions, &receivers, &site, &zone, &span, task))?;
+    let report = day_report(&sensors, &found, &span, &conditions, zone.name());
+    for path in asked.files {
+        match kind(path)? {
+            Kind::Map => {
+                let scale = scale_of("hours of sun_h", &found.hours, asked.scale);
+                let caption = Caption {
+                    title: format!("hours of sun on {date}"),
+                    lines: vec!["clouds left out".into()],
+                };
+                map::draw(&conditions.scene, &sensors, &found.hours, &scale, &caption)
+                    .save(path)?;
+            }
+            Kind::Csv => write(path, &day_csv(&sensors, &found))?,
+            Kind::Json => output::report::write(path, &report)?,
+            Kind::Page => {
+                return Err(Error::input(
+                    format!("-o {}", path.display()),
+                    "there is no page of hours of sun",
+                    "write .csv, .json, .svg or .png",
+                ));
+            }
+        }
+    }
+    match As::table_or(asked.form) {
+        As::Csv => stdout::print(day_csv(&sensors, &found))?,
+        As::Json => stdout::print_json(&report)?,
+        As::Table => stdout::print(day_table(&sensors, &found))?,
+    }
+    if !asked.files.is_empty() {
+        tell::files(asked.files);
+    }
+    Ok(())
+}
+
+/// One row a sensor.
+fn day_csv(sensors: &Sensors, found: &SunHours) -> String {
+    let mut text = "room,x_m,y_m,z_m,nx,ny,nz,area_m2,sun_h,first,last\n".to_owned();
+    for (i, sensor) in sensors.points.iter().enumerate() {
+        let (p, n) = (sensor.receiver.position, sensor.receiver.normal);
+        let ends = found.first_last[i].map_or([String::new(), String::new()], |ends| {
+            ends.map(|end| end.format("%H:%M:%S").to_string())
+        });
+        let name = sensors.planes[sensor.plane].name.replace('"', "\"\"");
+        let _ = writeln!(
+            text,
+            "\"{name}\",{},{},{},{},{},{},{},{},{},{}",
+            p.x, p.y, p.z, n.x, n.y, n.z, sensor.area, found.hours[i], ends[0], ends[1]
+        );
+    }
+    text
+}
+
+/// Least, mean and greatest of each plane, and the share of it that has the hours of each level.
+fn of_planes(sensors: &Sensors, found: &SunHours) -> Vec<(String, [f64; 6])> {
+    let of = |(number, plane): (usize, &tyndall::daylight::grid::Plane)| {
+        let own = sensors.points.iter().zip(&found.hours);
+        let own: Vec<(f64, f64)> = own
+            .filter(|(sensor, _)| sensor.plane == number)
+            .map(|(sensor, hours)| (sensor.area, *hours))
+            .collect();
+        let whole: f64 = own.iter().map(|(area, _)| area).sum();
+        let least = own.iter().map(|(_, h)| *h).fold(f64::INFINITY, f64::min);
+        let most = own.iter().map(|(_, h)| *h).fold(0.0, f64::max);
+        let mean = own.iter().map(|(area, h)| area * h).sum::<f64>() / whole;
+        let [a, b, c] = sun_hours::LEVELS.map(|(_, asked)| {
+            let enough = own.iter().filter(|(_, h)| *h >= asked - 1e-9);
+            100.0 * enough.map(|(area, _)| area).sum::<f64>() / whole
+        });
+        (plane.name.clone(), [least, mean, most, a, b, c])
+    };
+    sensors.planes.iter().enumerate().map(of).collect()
+}
+
+fn day_table(sensors: &Sensors, found: &SunHours) -> String {
+    let mut text = String::new();
+    for (name, [least, mean, most, a, b, c]) in of_planes(sensors, found) {
+        let _ = writeln!(
+            text,
+            "{}: {least:.2} to {most:.2} h of sun, mean {mean:.2} h; 1.5 h or more on {a:.0} %, 3 h on {b:.0} %, 4 h on {c:.0} % of the plane",
+            tell::clean(&name)
+        );
+    }
+    text
+}
+
+fn day_report(
+    sensors: &Sensors,
+    found: &SunHours,
+    span: &Span,
+    conditions: &Conditions,
+    zone: Option<&str>,
+) -> Value {
+    let planes = of_planes(sensors, found).into_iter().map(|(name, v)| {
+        json!({"name": name, "least_h": v[0], "mean_h": v[1], "greatest_h": v[2],
+            "share_1_5h_pct": v[3], "share_3h_pct": v[4], "share_4h_pct": v[5]})
+    });
+    let points = sensors.points.iter().enumerate().map(|(i, sensor)| {
+        json!({"room": sensors.planes[sensor.plane].name, "position": sensor.receiver.position,
+            "normal": sensor.receiver.normal, "area_m2": sensor.area, "sun_h": found.hours[i],
+            "first": found.first_last[i].map(|ends| ends[0].to_rfc3339()),
+            "last": found.first_last[i].map(|ends| ends[1].to_rfc3339())})
+    });
+    json!({
+        "schema": 1,
+        "date": span.date.to_string(),
+        "step_s": span.step_s,
+        "least_elevation_deg": span.least_elevation_deg,
+        "zone": zone,
+        "method": "steps of the local clock whose sun's middle the sensor faces and sees; clouds are left out",
+        "edition": "EN 17037:2018+A1:2021, not read in print",
+        "warnings": conditions.warnings,
+        "planes": planes.collect::<Vec<_>>(),
+        "sensors": points.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,464 @@
+//! Daylight coefficients: what points receive for each patch of the sky and each patch of a surface, found once for all moments.
+//!
+//! Light is linear. With E the illuminance that patches receive from outside, rho their reflectance and K what arrives of each
+//! other's light, a point that sees the shares w of them receives w rho (1 - K rho)^-1 E. The row R = w rho (1 - K rho)^-1 is found by
+//! Gauss and Seidel's iteration from the point's side, for many points at once. What a patch of the sky gives to a point is then
+//! what is seen of it, and what R makes of the light that it gives to surfaces; the sun's reflected light is R times what the sun gives
+//! to each patch at its true place, and the tiles of those patches that the point sees from near by.
+//!
+//! Where no surface, pane or medium has a colour, one channel is kept instead of three.
+//!
+//! Source: Tregenza & Waters 1983, Daylight coefficients, Lighting Research & Technology 15, 65.
+
+use super::arrival::Source;
+use super::dome::Dome;
+use super::light::{off, open_sky, open_sun};
+use super::sun::{sun_mean, sun_on};
+use super::tiles::Tile;
+use super::transport::Transport;
+use crate::colour::luminance;
+use crate::conditions::{Conditions, Receiver};
+use crate::error::Result;
+use crate::memory;
+use crate::task::Task;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Points whose rows are found together: a row of theirs fills some lines of the cache.
+const TOGETHER: usize = 32;
+
+/// The most turns of the iteration: at a reflectance of 0.9 everywhere some 60 are needed.
+const TURNS: usize = 400;
+
+/// Patches that give no point more than this share of their light are left out [1].
+const NOTHING: f32 = 1e-9;
+
+/// Shadow rays of the sun to a patch that would be all that a point receives light of, for each ray by which places are looked at
+/// closely; other patches have their share of them.
+const RAYS: f64 = 10.0;
+
+/// The fewest and the most of them, where they differ; before that it is found by a quarter of them, and this many at least, whether they do.
+const FEWEST: [usize; 2] = [4, 8];
+const MOST: usize = 1024;
+
+/// From this form factor of a part of a patch on [1], it counts where on the patch the sun shines.
+const NEAR: f32 = 2e-3;
+
+/// What points receive of each source.
+pub struct Coefficients {
+    points: usize,
+    /// Weights of the channels: of one alone, which stands for all, or of three.
+    channels: usize,
+    dome: Dome,
+    /// By patch of the sky, channel and point: illuminance for a radiance of 1 [lx per cd/m2].
+    sky: Vec<f32>,
+    /// The patches of surfaces that points receive light of.
+    patches: Vec<u32>,
+    /// By patch of that list, channel and point: illuminance for 1 lx that the patch receives from outside [1].
+    surfaces: Vec<f32>,
+    /// The same of the open ground's radiance, by channel and point [lx per cd/m2].
+    open_ground: Vec<f32>,
+    /// How the sun is looked for on each of them.
+    looks: Vec<Look>,
+    /// What points see of tiles: patch, tile, point, and illuminance for 1 lx more on that tile than on the whole patch [1].
+    tiles: Vec<(u32, Tile, u32, Vec3)>,
+}
+
+/// How the sun is looked for on a patch.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Shadow rays: first, and where they differ.
+    rays: [usize; 2],
+    /// Whether it counts where on the patch it shines.
+    is_near: bool,
+}
+
+/// What one point sees.
+#[derive(Default)]
+struct Seen {
+    sky: BTreeMap<u32, DVec3>,
+    open_ground: DVec3,
+    patches: BTreeMap<u32, DVec3>,
+    tiles: BTreeMap<(u32, Tile), DVec3>,
+}
+
+/// What some points receive of everything.
+struct Block {
+    sky: Vec<f32>,
+    surfaces: Vec<f32>,
+    open_ground: Vec<f32>,
+    tiles: Vec<(u32, Tile, u32, Vec3)>,
+}
+
+impl Coefficients {
+    /// Finds them for points, until what is not followed any more is below the share `unshot` of a point's light.
+    ///
+    /// Memory: 4 bytes a channel, point and patch of sky and surfaces.
+    ///
+    /// # Errors
+    /// [`crate::Error::Failed`] when memory does not suffice, [`crate::Error::Stopped`] when the work was stopped.
+    pub fn new(
+        transport: &Transport,
+        points: &[Receiver],
+        unshot: f64,
+        task: Task<'_>,
+    ) -> Result<Self> {
+        let channels = if is_grey(transport) { 1 } else { 3 };
+        let (skies, patches) = (transport.dome.len(), transport.patches.all.len());
+        let cells = (skies + patches).saturating_mul(points.len() * channels);
+        memory::check("the daylight coefficients", 8 * cells as u64)?;
+        let blocks: Vec<&[Receiver]> = points.chunks(TOGETHER).collect();
+        let pieces = task.pieces(blocks.len());
+        let open = open_sky(transport, &transport.conditions);
+        let blocks: Result<Vec<Block>> = blocks
+            .into_par_iter()
+            .map(|block| {
+                pieces.begin()?;
+                Ok(transport.block(block, channels, unshot, &open))
+            })
+            .collect();
+        let blocks = blocks?;
+        let mut active = vec![false; patches];
+        for block in &blocks {
+            let row = block.surfaces.len() / patches.max(1);
+            for (active, row) in active.iter_mut().zip(block.surfaces.chunks(row.max(1))) {
+                *active |= row.iter().any(|share| *share > NOTHING);
+            }
+        }
+        let active: Vec<u32> = (0..patches as u32)
+            .filter(|patch| active[*patch as usize])
+            .collect();
+        let mut all = Coefficients {
+            points: points.len(),
+            channels,
+            dome: transport.dome.clone(),
+            sky: vec![0.0; skies * channels * points.len()],
+            surfaces: vec![0.0; active.len() * channels * points.len()],
+            open_ground: vec![0.0; channels * points.len()],
+            tiles: Vec::new(),
+            looks: Vec::new(),
+            patches: active,
+        };
+        let mut first = 0;
+        for block in blocks {
+            let count = TOGETHER.min(points.len() - first);
+            let copy = |to: &mut [f32], at: usize, from: &[f32], own: usize| {
+                let begin = at * points.len() + first;
+                to[begin..begin + count].copy_from_slice(&from[own * count..(own + 1) * count]);
+            };
+            for row in 0..skies * channels {
+                copy(&mut all.sky, row, &block.sky, row);
+            }
+            for channel in 0..channels {
+                copy(&mut all.open_ground, channel, &block.open_ground, channel);
+                for (at, patch) in all.patches.iter().enumerate() {
+                    let own = *patch as usize * channels + channel;
+                    copy(
+                        &mut all.surfaces,
+                        at * channels + channel,
+                        &block.surfaces,
+                        own,
+                    );
+                }
+            }
+            let moved = block
+                .tiles
+                .into_iter()
+                .map(|(patch, tile, point, share)| (patch, tile, point + first as u32, share));
+            all.tiles.extend(moved);
+            first += count;
+        }
+        all.tiles
+            .sort_unstable_by_key(|(patch, tile, point, _)| (*patch, *tile, *point));
+        all.looks = all.looked_at(RAYS * transport.detail.care.rays as f64);
+        Ok(all)
+    }
+
+    /// How the sun is looked for on each patch: by its share of `rays`, as the point has it that receives most of its light from there.
+    fn looked_at(&self, rays: f64) -> Vec<Look> {
+        let row = self.channels * self.points;
+        let mut sums = vec![0.0f64; row];
+        for shares in self.surfaces.chunks(row.max(1)) {
+            for (sum, share) in sums.iter_mut().zip(shares) {
+                *sum += f64::from(*share);
+            }
+        }
+        let mut tiles = self.tiles.iter().peekable();
+        let looks = self.patches.iter().zip(self.surfaces.chunks(row.max(1)));
+        let look = |(patch, shares): (&u32, &[f32])| {
+            let part = shares.iter().zip(&sums);
+            let part = part.map(|(share, sum)| f64::from(*share) / sum.max(1e-30));
+            let many = (rays * part.fold(0.0, f64::max)).ceil() as usize;
+            let many = many.clamp(FEWEST[1], MOST);
+            let mut is_near = false;
+            while let Some((of, _, _, share)) = tiles.next_if(|(p, ..)| p <= patch) {
+                is_near |= of == patch && share.max_element() > NEAR;
+            }
+            Look {
+                rays: [(many / 4).max(FEWEST[0]), many],
+                is_near,
+            }
+        };
+        looks.map(look).collect()
+    }
+
+    /// The patches of the sky.
+    pub fn dome(&self) -> &Dome {
+        &self.dome
+    }
+
+    /// Whether one channel stands for all of them.
+    pub fn is_grey(&self) -> bool {
+        self.channels == 1
+    }
+
+    /// Patches of surfaces whose light points receive.
+    pub fn patches(&self) -> usize {
+        self.patches.len()
+    }
+
+    /// Memory that they take [bytes].
+    pub fn bytes(&self) -> usize {
+        4 * (self.sky.len() + self.surfaces.len()) + 32 * self.tiles.len()
+    }
+
+    /// The illuminance [lx] that the sky's patches give, of these radiances [cd/m2, RGB], straight and by surfaces: added to that of
+    /// each point.
+    pub fn add_sky(&self, radiances: &[DVec3], illuminances: &mut [f64]) {
+        let mut sum = vec![0.0; self.points];
+        for (patch, radiance) in radiances.iter().enumerate() {
+            self.add(&self.sky, patch, *radiance, &mut sum);
+        }
+        for (all, own) in illuminances.iter_mut().zip(sum) {
+            *all += f64::from(own);
+        }
+    }
+
+    /// The illuminance [lx] that surfaces make of the light of the sun of `conditions` (of the same scene): added to that of each
+    /// point. What comes straight from the sun is not in it.
+    pub fn add_reflected_sun(
+        &self,
+        transport: &Transport,
+        conditions: &Conditions,
+        illuminances: &mut [f64],
+    ) {
+        if !conditions.sun.shines() {
+            return;
+        }
+        let mut sum = vec![0.0; self.points];
+        for (at, (patch, look)) in self.patches.iter().zip(&self.looks).enumerate() {
+            let number = *patch as usize;
+            let mean = sun_mean(transport, conditions, number, look.rays);
+            if mean == DVec3::ZERO {
+                continue;
+            }
+            if !look.is_near {
+                self.add(&self.surfaces, at, mean, &mut sum);
+                continue;
+            }
+            let direct = sun_on(transport, conditions, number);
+            self.add(&self.surfaces, at, direct.mean, &mut sum);
+            let begin = self.tiles.partition_point(|(p, ..)| p < patch);
+            let own = self.tiles[begin..].iter().take_while(|(p, ..)| p == patch);
+            for (_, tile, point, share) in own {
+                if let Some(off) = off(&direct.tiles, *tile) {
+                    sum[*point as usize] += luminance((*share * off).as_dvec3()) as f32;
+                }
+            }
+        }
+        self.add(&self.open_ground, 0, open_sun(conditions), &mut sum);
+        for (all, own) in illuminances.iter_mut().zip(sum) {
+            // Tiles that are darker than their patch cannot take more than there is.
+            *all += f64::from(own.max(0.0));
+        }
+    }
+
+    /// Adds what a source of a number gives, of this strength.
+    fn add(&self, of: &[f32], number: usize, strength: DVec3, sum: &mut [f32]) {
+        let weights = match self.channels {
+            1 => [luminance(strength), 0.0, 0.0],
+            _ => [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| luminance(axis * strength)),
+        };
+        for (channel, weight) in weights.iter().enumerate().take(self.channels) {
+            let begin = (number * self.channels + channel) * self.points;
+            let weight = *weight as f32;
+            for (sum, share) in sum.iter_mut().zip(&of[begin..begin + self.points]) {
+                *sum += weight * share;
+            }
+        }
+    }
+}
+
+impl Transport {
+    /// What one point sees of everything: of patches and tiles the form factor times what comes through.
+    fn met_from(&self, point: &Receiver) -> Seen {
+        let mut seen = Seen::default();
+        for arrival in self.before(point.position, point.normal, point.normal) {
+            let share = f64::from(arrival.share) * arrival.through.as_dvec3();
+            match arrival.source {
+                Source::Nothing => {}
+                Source::Sky(patch) => *seen.sky.entry(patch).or_default() += share,
+                Source::OpenGround => seen.open_ground += share,
+                Source::Patch(patch, tile) => {
+                    *seen.patches.entry(patch).or_default() += share;
+                    if tile != Tile::WHOLE {
+                        *seen.tiles.entry((patch, tile)).or_default() += share;
+                    }
+                }
+            }
+        }
+        seen
+    }
+
+    /// What some points receive.
+    fn block(&self, points: &[Receiver], channels: usize, unshot: f64, open: &[DVec3]) -> Block {
+        let count = points.len();
+        let width = channels * count;
+        let patches = &self.patches.all;
+        let seen: Vec<Seen> = points.iter().map(|point| self.met_from(point)).collect();
+        let place = |channel: usize, point: usize| channel * count + point;
+        // What a patch's exitance gives to the points, over its area.
+        let mut start = vec![0.0f32; patches.len() * width];
+        for (point, seen) in seen.iter().enumerate() {
+            for (patch, share) in &seen.patches {
+                let area = patches[*patch as usize].area;
+                for channel in 0..channels {
+                    let at = *patch as usize * width + place(channel, point);
+                    start[at] = if area > 0.0 {
+                        (share[channel] / area) as f32
+                    } else {
+                        0.0
+                    };
+                }
+            }
+        }
+        let mut surfaces = self.solved(start, width, channels, unshot);
+        for (patch, row) in patches.iter().zip(surfaces.chunks_mut(width.max(1))) {
+            for channel in 0..channels {
+                let factor = (patch.area * patch.albedo[channel]) as f32;
+                row[place(channel, 0)..place(channel, count)]
+                    .iter_mut()
+                    .for_each(|share| *share *= factor);
+            }
+        }
+        let mut sky = vec![0.0f32; self.dome.len() * width];
+        let mut open_ground = vec![0.0f32; width];
+        for (point, seen) in seen.iter().enumerate() {
+            for channel in 0..channels {
+                let at = place(channel, point);
+                for (patch, share) in &seen.sky {
+                    sky[*patch as usize * width + at] = (PI * share[channel]) as f32;
+                }
+                open_ground[at] = (PI * seen.open_ground[channel]) as f32;
+            }
+        }
+        for (outside, row) in self
+            .exchange
+            .outside
+            .iter()
+            .zip(surfaces.chunks(width.max(1)))
+        {
+            for (source, _, through) in outside {
+                let to = match source {
+                    Source::Sky(patch) => &mut sky[*patch as usize * width..][..width],
+                    Source::OpenGround => &mut open_ground,
+                    _ => continue,
+                };
+                for channel in 0..channels {
+                    let factor = PI as f32 * through[channel];
+                    let range = place(channel, 0)..place(channel, count);
+                    for (to, share) in to[range.clone()].iter_mut().zip(&row[range]) {
+                        *to += factor * share;
+                    }
+                }
+            }
+        }
+        // What the open ground gives it has of the sky.
+        let albedo = self.conditions.ground.map_or(DVec3::ZERO, |g| g.albedo) / PI;
+        for (open, row) in open.iter().zip(sky.chunks_mut(width.max(1))) {
+            for channel in 0..channels {
+                let factor = (albedo * *open)[channel] as f32;
+                let range = place(channel, 0)..place(channel, count);
+                for (to, share) in row[range.clone()].iter_mut().zip(&open_ground[range]) {
+                    *to += factor * share;
+                }
+            }
+        }
+        // Of the sun: by the illuminance of the open ground.
+        for channel in 0..channels {
+            let range = place(channel, 0)..place(channel, count);
+            let factor = albedo[channel] as f32;
+            open_ground[range]
+                .iter_mut()
+                .for_each(|share| *share *= factor);
+        }
+        let tiles = seen.into_iter().zip(0..).flat_map(|(seen, point)| {
+            seen.tiles.into_iter().map(move |((patch, tile), share)| {
+                let sent = patches[patch as usize].albedo;
+                (patch, tile, point, (sent * share).as_vec3())
+            })
+        });
+        Block {
+            tiles: tiles.collect(),
+            sky,
+            surfaces,
+            open_ground,
+        }
+    }
+
+    /// The solution V of V_i = start_i + sum over j of K_ij rho_j V_j, for rows of so many values.
+    fn solved(&self, start: Vec<f32>, width: usize, channels: usize, unshot: f64) -> Vec<f32> {
+        let patches = &self.patches.all;
+        let count = width / channels.max(1);
+        let mut found = start.clone();
+        let mut next = vec![0.0f32; width];
+        for _ in 0..TURNS {
+            let (mut change, mut whole) = (0.0f64, 0.0f64);
+            for (i, to) in self.exchange.to.iter().enumerate() {
+                if to.is_empty() {
+                    continue;
+                }
+                next.copy_from_slice(&start[i * width..(i + 1) * width]);
+                for (j, _, through) in to {
+                    let j = *j as usize;
+                    let row = &found[j * width..(j + 1) * width];
+                    for channel in 0..channels {
+                        let factor = through[channel] * patches[j].albedo[channel] as f32;
+                        let range = channel * count..(channel + 1) * count;
+                        for (next, value) in next[range.clone()].iter_mut().zip(&row[range]) {
+                            *next += factor * value;
+                        }
+                    }
+                }
+                let area = patches[i].area * patches[i].albedo.max_element();
+                let row = &mut found[i * width..(i + 1) * width];
+                let sum: f32 = next.iter().sum();
+                let off: f32 = next.iter().zip(&*row).map(|(a, b)| (a - b).abs()).sum();
+                whole += area * f64::from(sum);
+                change += area * f64::from(off);
+                row.copy_from_slice(&next);
+            }
+            if change <= unshot * whole {
+                break;
+            }
+        }
+        found
+    }
+}
+
+/// Whether nothing in a scene colours light.
+fn is_grey(transport: &Transport) -> bool {
+    let near = |v: Vec3| (v.max_element() - v.min_element()) <= 1e-5 * v.max_element();
+    let patches = transport.patches.all.iter();
+    let ground = transport
+        .conditions
+        .ground
+        .map_or(DVec3::ZERO, |g| g.albedo);
+    let exchange = &transport.exchange;
+    near(ground.as_vec3())
+        && patches.map(|p| p.albedo.as_vec3()).all(near)
+        && exchange.to.iter().flatten().all(|(_, _, t)| near(*t))
+        && exchange.outside.iter().flatten().all(|(_, _, t)| near(*t))
+}
