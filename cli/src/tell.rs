@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use tyndall::Error;
 use tyndall::backend::convergence::Convergence;
@@ -9,6 +10,8 @@ use tyndall::backend::{Rendered, Step};
 use tyndall::conditions::Conditions;
 use tyndall::effect::{Contribution, Paid};
 use tyndall::plan::Plan;
+use tyndall::timelapse::cluster;
+use tyndall::timelapse::film::Maker;
 use tyndall::warning::Warning;
 
 fn line(label: &str, text: impl std::fmt::Display) {
@@ -175,6 +178,15 @@ pub fn convergence(convergence: &Convergence) {
             convergence.pixels
         ),
     );
+}
+
+/// What makes a film, with its line where it is another program.
+pub fn film(maker: &Maker, program: &[OsString]) {
+    line("film", maker);
+    if !program.is_empty() {
+        let words: Vec<_> = program.iter().map(|word| word.to_string_lossy()).collect();
+        line("", cluster::shell_line(&words));
+    }
 }
 
 /// What was written.

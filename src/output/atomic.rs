@@ -29,12 +29,28 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Res
     let whole = || {
         let (target, mut temporary) = begin(path)?;
         fill(temporary.as_file_mut())?;
-        temporary.as_file().sync_all()?;
-        temporary.persist(&target).map_err(|e| e.error)?;
-        sync_folder(&target);
-        Ok(())
+        end(&target, temporary)
     };
     whole().map_err(|e| Error::writing(path, e))
+}
+
+/// Has the file `path` written by another program: `fill` gets the name under which it lies until it is whole.
+///
+/// # Errors
+/// Those of [`check`]; those of `fill`, and [`Error::File`] with whatever the disk reports.
+pub fn write_by_name(path: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    let wrong = |e| Error::writing(path, e);
+    let (target, temporary) = begin(path).map_err(wrong)?;
+    fill(temporary.path())?;
+    end(&target, temporary).map_err(wrong)
+}
+
+/// Renames a file that is whole.
+fn end(target: &Path, temporary: NamedTempFile) -> io::Result<()> {
+    temporary.as_file().sync_all()?;
+    temporary.persist(target).map_err(|e| e.error)?;
+    sync_folder(target);
+    Ok(())
 }
 
 /// The file that `path` stands for, links followed, and an empty one beside it that vanishes unless it is renamed.

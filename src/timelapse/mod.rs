@@ -4,6 +4,12 @@
 //! |---|---|
 //! | [`template`] | names of files with the frame's index in them |
 //! | [`plan`] | the plan file: a header, and a line for each frame |
+//! | [`film`] | finished frames as a film; `h264` and `mp4` are what encodes it without ffmpeg |
+//! | [`cluster`] | jobs for Slurm and Kubernetes that make the frames in shards |
 
+pub mod cluster;
+pub mod film;
+mod h264;
+mod mp4;
 pub mod plan;
 pub mod template;

@@ -75,6 +75,12 @@ impl Template {
         format!("{before}{index:0digits$}{after}").into()
     }
 
+    /// As ffmpeg reads it: `frame_%04d.png`, with `%%` for a percent sign.
+    pub fn printf(&self) -> String {
+        let [before, after] = [&self.before, &self.after].map(|text| text.replace('%', "%%"));
+        format!("{before}%0{}d{after}", self.digits)
+    }
+
     /// As it was written.
     pub fn text(&self) -> &str {
         &self.text
@@ -144,6 +150,9 @@ mod tests {
             assert_eq!(template.path(1_234_567), Path::new(many), "{text}");
             assert_eq!(template.text(), text);
         }
+        let printf = |text: &str| Template::new(text).expect(text).printf();
+        assert_eq!(printf("50%/f_{frame:04}.png"), "50%%/f_%04d.png");
+        assert_eq!(printf("#.png"), "%01d.png");
         let folder = |text: &str| Template::new(text).expect(text).folder();
         assert_eq!(folder("a/b/#.png"), Path::new("a/b"));
         assert_eq!(folder("#.png"), Path::new("."));

@@ -38,6 +38,10 @@ enum Item {
         color: Color,
         text: String,
     },
+    Picture {
+        at: [f64; 2],
+        picture: image::RgbImage,
+    },
 }
 
 /// A drawing on white paper, x to the right and y downward.
@@ -48,7 +52,7 @@ pub struct Drawing {
 }
 
 /// Pixels of a PNG for a unit of the drawing.
-const PIXELS: f64 = 2.0;
+pub const PIXELS: f64 = 2.0;
 
 impl Drawing {
     pub fn new(width: f64, height: f64) -> Self {
@@ -122,6 +126,11 @@ impl Drawing {
             color,
             text: text.into(),
         });
+    }
+
+    /// A picture with its upper left corner there, [`PIXELS`] of it to a unit; what does not fit on the paper is cut.
+    pub fn picture(&mut self, at: [f64; 2], picture: image::RgbImage) {
+        self.items.push(Item::Picture { at, picture });
     }
 
     /// Writes the drawing as its name's end says, .svg or .png.
@@ -206,12 +215,30 @@ impl Drawing {
                         0.3 * size
                     );
                 }
+                Item::Picture {
+                    at: [x, y],
+                    picture,
+                } => {
+                    let [width, height] =
+                        [picture.width(), picture.height()].map(|side| f64::from(side) / PIXELS);
+                    // Nothing but memory can fail, and there is no picture without it either.
+                    let link = encoded(picture)
+                        .map(|png| data_link(&png))
+                        .unwrap_or_default();
+                    svg += &format!(
+                        "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width}\" height=\"{height}\" href=\"{link}\"/>\n"
+                    );
+                }
             }
         }
         svg + "</svg>\n"
     }
 
-    fn png(&self) -> Result<Vec<u8>> {
+    /// The drawing as PNG.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when it cannot be encoded.
+    pub fn png(&self) -> Result<Vec<u8>> {
         let mut canvas = Canvas::new(
             (self.width * PIXELS) as usize,
             (self.height * PIXELS) as usize,
@@ -256,25 +283,36 @@ impl Drawing {
                     canvas.stroke(&strokes, 0.42 * size * PIXELS, [255; 3]);
                     canvas.stroke(&strokes, 0.095 * size * PIXELS, *color);
                 }
+                Item::Picture { at, picture } => canvas.picture(at.map(|c| c * PIXELS), picture),
             }
         }
-        let mut png = std::io::Cursor::new(Vec::new());
-        let encoded = image::write_buffer_with_format(
-            &mut png,
-            &canvas.bytes(),
-            canvas.width as u32,
-            canvas.height as u32,
-            image::ExtendedColorType::Rgb8,
-            image::ImageFormat::Png,
-        );
-        encoded.map_err(|error| {
-            Error::failed(
-                format!("the PNG could not be encoded: {error}"),
-                "write an .svg instead",
-            )
-        })?;
-        Ok(png.into_inner())
+        let [width, height] = [canvas.width, canvas.height].map(|side| side as u32);
+        image::RgbImage::from_raw(width, height, canvas.bytes())
+            .ok_or_else(|| unencoded(&"its size is not its own"))
+            .and_then(|picture| encoded(&picture))
     }
+}
+
+/// A picture as PNG.
+fn encoded(picture: &image::RgbImage) -> Result<Vec<u8>> {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let written = picture.write_to(&mut png, image::ImageFormat::Png);
+    written.map_err(|error| unencoded(&error))?;
+    Ok(png.into_inner())
+}
+
+fn unencoded(error: &dyn std::fmt::Display) -> Error {
+    Error::failed(
+        format!("the PNG could not be encoded: {error}"),
+        "write an .svg instead",
+    )
+}
+
+/// A PNG as the address of itself.
+pub fn data_link(png: &[u8]) -> String {
+    use base64::Engine;
+    let text = base64::engine::general_purpose::STANDARD.encode(png);
+    format!("data:image/png;base64,{text}")
 }
 
 fn coordinates(points: &[[f64; 2]]) -> String {
@@ -419,6 +457,17 @@ impl Canvas {
                 for (channel, &c) in self.pixels[y * self.width + x].iter_mut().zip(&color) {
                     *channel += alpha * (f32::from(c) - *channel);
                 }
+            }
+        }
+    }
+
+    /// Copies a picture, with its corner at the nearest pixel.
+    fn picture(&mut self, at: [f64; 2], picture: &image::RgbImage) {
+        let [left, top] = at.map(|c| c.round().max(0.0) as usize);
+        for (x, y, pixel) in picture.enumerate_pixels() {
+            let (x, y) = (left + x as usize, top + y as usize);
+            if x < self.width && y < self.height {
+                self.pixels[y * self.width + x] = pixel.0.map(f32::from);
             }
         }
     }
