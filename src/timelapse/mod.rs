@@ -2,8 +2,22 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`when`] | the instants: ends, which may be what the sun does, and a step or a number of frames |
 //! | [`template`] | names of files with the frame's index in them |
 //! | [`plan`] | the plan file: a header, and a line for each frame |
+//! | [`key`] | what makes a picture what it is, as hashes |
+//! | [`exposure`] | one exposure curve for all frames |
+//! | [`select`] | which frames a process renders |
+//! | [`resume`] | which of them are there already |
+//! | [`sequence`] | all of it: planning and rendering |
 
+pub mod exposure;
+pub mod key;
 pub mod plan;
+pub mod resume;
+pub mod select;
+pub mod sequence;
 pub mod template;
+pub mod when;
+
+pub use sequence::{Asked, Planned, Sequence};
