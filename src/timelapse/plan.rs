@@ -16,9 +16,6 @@ use std::path::{Path, PathBuf};
 /// The version of the file's format.
 pub const FORMAT: u32 = 1;
 
-/// The name of a plan file, beside the frames.
-pub const FILE_NAME: &str = "timelapse.jsonl";
-
 /// The first line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
@@ -40,6 +37,12 @@ pub struct Header {
     pub site: Place,
     /// The names of the frames' files, as [`Template`] reads them; relative to the folder in which the command was run.
     pub outputs: Vec<String>,
+    /// The instant of the first frame, UTC (RFC 3339).
+    pub from: String,
+    /// The instant of the last frame, UTC (RFC 3339).
+    pub to: String,
+    /// The step from frame to frame, in words: `every 30s`, `every 1d`, `240 frames`.
+    pub step: String,
     /// The index of the first frame.
     pub first: u64,
     /// The number of frames.
@@ -131,9 +134,13 @@ impl Header {
     }
 }
 
-/// The plan file that belongs to frames of this name.
+/// The plan file that belongs to frames of this name: `out/day.plan.jsonl` beside `out/day_0001.exr`.
 pub fn beside(template: &Template) -> PathBuf {
-    template.folder().join(FILE_NAME)
+    let name = match template.stem() {
+        "" => "timelapse",
+        stem => stem,
+    };
+    template.folder().join(format!("{name}.plan.jsonl"))
 }
 
 /// Writes a plan file. The lines are taken one by one, so that any number of them needs no memory.
@@ -246,6 +253,9 @@ mod tests {
                 elevation: 35.5,
             },
             outputs: vec!["out/####.exr".into()],
+            from: "2026-06-21T18:00:00Z".into(),
+            to: "2026-06-21T18:00:30Z".into(),
+            step: "every 30s".into(),
             first: 1,
             frames: 2,
             fps: Some([24_000, 1001]),

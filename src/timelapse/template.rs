@@ -86,6 +86,13 @@ impl Template {
         &self.text
     }
 
+    /// What the files' names begin with, before the index, without what sets that apart.
+    pub fn stem(&self) -> &str {
+        let name = self.before.rsplit(std::path::is_separator).next();
+        name.unwrap_or_default()
+            .trim_end_matches(['_', '-', '.', ' '])
+    }
+
     /// The folder in which the files are; `.` for a name without one.
     pub fn folder(&self) -> PathBuf {
         match self.path(0).parent() {
@@ -156,6 +163,17 @@ mod tests {
         let folder = |text: &str| Template::new(text).expect(text).folder();
         assert_eq!(folder("a/b/#.png"), Path::new("a/b"));
         assert_eq!(folder("#.png"), Path::new("."));
+    }
+
+    #[test]
+    fn what_belongs_to_a_sequence_is_named_like_it() {
+        for (text, stem) in [
+            ("out/day_{frame:04}.exr", "day"),
+            ("day.%d.png", "day"),
+            ("a.b/####.exr", ""),
+        ] {
+            assert_eq!(Template::new(text).expect(text).stem(), stem);
+        }
     }
 
     #[test]
