@@ -47,7 +47,9 @@ pub fn write(path: &Path, frames: &Frames, size: [u32; 2], rate: Rate, task: Tas
     };
     let mut encoder = Encoder::new(configuration).map_err(|e| failed(&e))?;
     let sequence = tagged(encoder.config());
-    let keys = frames.count().div_ceil(u64::from(encoder.config().gop_size));
+    let keys = frames
+        .count()
+        .div_ceil(u64::from(encoder.config().gop_size));
     let mut coded = |frame: PathBuf| {
         task.check()?;
         let yuv = converted(&film::pixels(&frame, size)?, size);
@@ -57,7 +59,11 @@ pub fn write(path: &Path, frames: &Frames, size: [u32; 2], rate: Rate, task: Tas
         let wrong = |e| Error::writing(path, e);
         let file = File::options().write(true).open(aside).map_err(wrong)?;
         let mut paths = frames.paths();
-        let first = paths.next().map(&mut coded).transpose()?.unwrap_or_default();
+        let first = paths
+            .next()
+            .map(&mut coded)
+            .transpose()?
+            .unwrap_or_default();
         let picture = units(&first).find(|unit| kind(unit) == Some(NalUnitType::Pps));
         let begun = Film {
             file: BufWriter::with_capacity(1 << 20, file),

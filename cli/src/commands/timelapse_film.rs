@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tyndall::output::{self, Format, atomic};
 use tyndall::task::Task;
-use tyndall::timelapse::cluster::{self, Job};
+use tyndall::timelapse::cluster::Job;
 use tyndall::timelapse::film::{self, Film, Frames, Maker, Rate};
 use tyndall::timelapse::plan::{FrameLine, Header, Reader};
 use tyndall::timelapse::template::Template;

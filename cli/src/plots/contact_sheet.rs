@@ -102,7 +102,8 @@ impl Clock {
 
     /// A frame's local time.
     pub fn label(self, line: &FrameLine) -> String {
-        let part = |range| line.local.get(range).unwrap_or(&line.local);
+        let local = &*line.local;
+        let part = |range| local.get(range).unwrap_or(local);
         match self {
             Clock::Minutes => part(11..16).to_owned(),
             Clock::Seconds => part(11..19).to_owned(),

@@ -35,8 +35,8 @@ const STYLE: &str = "body { margin: 2em auto; max-width: 1200px; padding: 0 1em;
 
 /// What a sequence is called: its scene and its days.
 pub fn title(header: &Header, lines: &[FrameLine]) -> String {
-    let day = |line: Option<&FrameLine>| line.and_then(|l| l.local.get(..10)).unwrap_or_default();
-    let (first, last) = (day(lines.first()), day(lines.last()));
+    let days = [lines.first(), lines.last()];
+    let [first, last] = days.map(|l| l.and_then(|l| l.local.get(..10)).unwrap_or_default());
     match first == last {
         true => format!("{}, {first}", header.scene),
         false => format!("{}, {first} to {last}", header.scene),
