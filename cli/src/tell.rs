@@ -11,7 +11,8 @@ use tyndall::effect::{Contribution, Paid};
 use tyndall::plan::Plan;
 use tyndall::warning::Warning;
 
-fn line(label: &str, text: impl std::fmt::Display) {
+/// A line of what is said, with what it is about in front.
+pub fn line(label: &str, text: impl std::fmt::Display) {
     eprintln!("{label:<11}{}", clean(&text.to_string()));
 }
 

@@ -15,3 +15,4 @@ pub mod schema;
 pub mod sky;
 pub mod study;
 pub mod sun;
+pub mod timelapse;
