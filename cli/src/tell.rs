@@ -14,7 +14,8 @@ use tyndall::timelapse::cluster;
 use tyndall::timelapse::film::Maker;
 use tyndall::warning::Warning;
 
-fn line(label: &str, text: impl std::fmt::Display) {
+/// A line of what is said, with what it is about in front.
+pub fn line(label: &str, text: impl std::fmt::Display) {
     eprintln!("{label:<11}{}", clean(&text.to_string()));
 }
 

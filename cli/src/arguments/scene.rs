@@ -40,7 +40,7 @@ pub struct SceneArgs {
     #[command(flatten)]
     place: PlaceArgs,
     #[command(flatten)]
-    time: TimeArgs,
+    pub time: TimeArgs,
     #[command(flatten)]
     ephemeris: SunArgs,
     /// Put the sun there instead: degrees, azimuth from north through east; no refraction is added
@@ -145,7 +145,14 @@ impl ViewArgs {
     /// # Errors
     /// Those of [`scene::load`] and [`Conditions::new`].
     pub fn conditions(&self) -> Result<Conditions> {
-        let mut scene = self.scene.load()?;
+        self.conditions_of(self.scene.load()?)
+    }
+
+    /// The conditions of the scene that these flags load ([`SceneArgs::load`]), and of what was changed of it.
+    ///
+    /// # Errors
+    /// Those of [`Conditions::new`].
+    pub fn conditions_of(&self, mut scene: Scene) -> Result<Conditions> {
         let request = Request {
             size: self.camera.size,
             samples: self.camera.samples,
@@ -193,6 +200,11 @@ impl SceneArgs {
         sky.direct_normal = self.direct_normal.or(sky.direct_normal);
         sky.diffuse_horizontal = self.diffuse_horizontal.or(sky.diffuse_horizontal);
         Ok(scene)
+    }
+
+    /// Whether a flag puts the sun somewhere.
+    pub fn has_given_sun(&self) -> bool {
+        self.sun.is_some()
     }
 
     /// How place and time are read.

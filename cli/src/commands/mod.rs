@@ -15,4 +15,5 @@ pub mod schema;
 pub mod sky;
 pub mod study;
 pub mod sun;
+pub mod timelapse;
 pub mod timelapse_film;

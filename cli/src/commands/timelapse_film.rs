@@ -53,17 +53,25 @@ enum Engine {
     Kubernetes,
 }
 
-/// What this file's flags take away from a command line, to make a shard of it; whether each has a value.
-const NOT_OF_SHARDS: [(&str, bool); 9] = [
+/// The flags of this file, and whether each has a value: what they say changes no frame.
+pub const FLAGS: [(&str, bool); 8] = [
     ("--film", true),
+    ("--fps", true),
     ("--sheet", true),
     ("--curves", true),
     ("--page", true),
     ("--assemble", false),
     ("--emit", true),
     ("--shards", true),
-    ("--report", true),
+];
+
+/// Those of a command that prints a job which the job's last command does not have.
+const OF_EMIT: [(&str, bool); 5] = [
+    ("--assemble", false),
+    ("--emit", true),
+    ("--shards", true),
     ("--dry-run", false),
+    ("--json", false),
 ];
 
 /// What is made.
@@ -91,11 +99,6 @@ impl FilmArgs {
     /// Whether a job is printed, and nothing is rendered.
     pub fn emits(&self) -> bool {
         self.emit.is_some()
-    }
-
-    /// The film's rate.
-    pub fn rate(&self) -> Rate {
-        self.fps
     }
 
     /// What is made of frames of these names, whose plan file is `plan`: what the flags say; with --assemble and none of them, everything, by
@@ -268,8 +271,8 @@ impl FilmArgs {
         let job = Job::new(
             name,
             &folder.display().to_string(),
-            &command(without(words, &NOT_OF_SHARDS), &[]),
-            &command(without(words, &NOT_OF_SHARDS[4..]), &["--assemble"]),
+            &command(without(&without(words, &FLAGS), &OF_EMIT), &[]),
+            &command(without(words, &OF_EMIT), &["--assemble"]),
             self.shards.min(frames.max(1)),
         )?;
         let text = match engine {
@@ -313,7 +316,7 @@ fn png_of(outputs: &[Template]) -> Option<&Template> {
 }
 
 /// Words of a command line without some flags and their values.
-fn without(words: &[String], flags: &[(&str, bool)]) -> Vec<String> {
+pub fn without(words: &[String], flags: &[(&str, bool)]) -> Vec<String> {
     let mut kept = Vec::new();
     let mut words = words.iter();
     while let Some(word) = words.next() {
@@ -340,11 +343,11 @@ mod tests {
             "timelapse a.toml --film day.mp4 -o out/#.png --page=day.html --emit slurm --fps 25 --shards 3 --dry-run --size 9x9",
         );
         assert_eq!(
-            without(&all, &NOT_OF_SHARDS),
-            words("timelapse a.toml -o out/#.png --fps 25 --size 9x9")
+            without(&without(&all, &FLAGS), &OF_EMIT),
+            words("timelapse a.toml -o out/#.png --size 9x9")
         );
         assert_eq!(
-            without(&all, &NOT_OF_SHARDS[4..]),
+            without(&all, &OF_EMIT),
             words(
                 "timelapse a.toml --film day.mp4 -o out/#.png --page=day.html --fps 25 --size 9x9"
             )
