@@ -92,7 +92,7 @@ impl Job {
              # What is finished is not made again: submit as often as you like, all of it or a part (sbatch --array=5,7 THIS_FILE).\n\
              set -euo pipefail\n\
              \n\
-             if [[ -z \"${{SLURM_JOB_ID:-}}\" ]]; then\n    \
+             if [[ -z \"${{SLURM_ARRAY_TASK_ID:-}}\" ]]; then\n    \
                  frames=\"$(sbatch --parsable \"$0\")\"\n    \
                  frames=\"${{frames%%;*}}\"\n    \
                  together=\"$(sbatch --parsable --dependency=\"afterok:$frames\" --array=0 \"$0\" assemble)\"\n    \
