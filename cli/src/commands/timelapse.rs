@@ -105,10 +105,6 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let (first, count) = (args.start_number, when.count());
     let plan_file = plan::beside(&outputs[0]);
     output::check_apart("the plan file", &plan_file, &in_use)?;
-    if args.film.emits() {
-        let words: Vec<String> = std::env::args().collect();
-        return args.film.emit(&conditions.scene.name, &words, count);
-    }
     if !args.dry_run {
         for template in &outputs {
             let folder = template.folder();
@@ -118,6 +114,10 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
         output::check_targets(&outputs.iter().map(|o| o.path(first)).collect::<Vec<_>>())?;
         let partial = args.only.is_some() || args.shard.is_some();
         args.film.check(&plan_file, &outputs, partial, &in_use)?;
+    }
+    if args.film.emits() {
+        let words: Vec<String> = std::env::args().collect();
+        return args.film.emit(&conditions.scene.name, &words, count);
     }
     tell::conditions(&conditions);
     let limits = Limits {
