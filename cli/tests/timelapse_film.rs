@@ -11,7 +11,8 @@ use tyndall::Error;
 use tyndall::output::png;
 use tyndall::task::Task;
 use tyndall::timelapse::cluster::Job;
-use tyndall::timelapse::film::{self, Film, Frames, Maker, Rate};
+use tyndall::timelapse::film::{self, Film, Maker};
+use tyndall::timelapse::frames::{Frames, Rate};
 use tyndall::timelapse::template::Template;
 
 /// Notes that a test could not run and why, as the library's tests do.

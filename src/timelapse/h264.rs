@@ -2,7 +2,7 @@
 //!
 //! Constrained baseline, 4:2:0 in 8 bits, a constant quantiser, a key frame every two seconds. One frame is in memory at a time.
 
-use super::film::{self, Frames, Rate, even};
+use super::frames::{self, Frames, Rate, even};
 use super::mp4::Index;
 use crate::error::{Error, Result};
 use crate::output::atomic;
@@ -52,7 +52,7 @@ pub fn write(path: &Path, frames: &Frames, size: [u32; 2], rate: Rate, task: Tas
         .div_ceil(u64::from(encoder.config().gop_size));
     let mut coded = |frame: PathBuf| {
         task.check()?;
-        let yuv = converted(&film::pixels(&frame, size)?, size);
+        let yuv = converted(&frames::pixels(&frame, size)?, size);
         encoder.try_encode(&yuv).map_err(|e| failed(&e))
     };
     atomic::write_by_name(path, |aside| {

@@ -10,12 +10,14 @@
 //! | [`select`] | which frames a process renders |
 //! | [`resume`] | which of them are there already |
 //! | [`sequence`] | all of it: planning and rendering |
-//! | [`film`] | finished frames as a film; `h264` and `mp4` are what encodes it without ffmpeg |
+//! | [`frames`] | finished frames in their order, and how fast they are shown |
+//! | [`film`] | they as a film; `h264` and `mp4` are what encodes it without ffmpeg |
 //! | [`cluster`] | jobs for Slurm and Kubernetes that make the frames in shards |
 
 pub mod cluster;
 pub mod exposure;
 pub mod film;
+pub mod frames;
 mod h264;
 pub mod key;
 mod mp4;

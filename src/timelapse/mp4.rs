@@ -3,7 +3,7 @@
 //! The index (`moov`) stands before the pictures, so that a browser plays what it has of the file. Its length follows from the number of
 //! frames, of key frames and of bytes in the parameter sets alone: room is left for it, and it is written last.
 
-use super::film::Rate;
+use super::frames::Rate;
 
 /// Everything that the index says.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use super::draw::{Anchor, Color, Drawing, PIXELS};
 use image::imageops::thumbnail;
 use std::path::Path;
-use tyndall::timelapse::film::Frames;
+use tyndall::timelapse::frames::Frames;
 use tyndall::timelapse::plan::FrameLine;
 use tyndall::{Error, Result};
 

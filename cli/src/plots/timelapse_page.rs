@@ -4,7 +4,8 @@ use super::draw::{data_link, escaped};
 use std::fmt::Write;
 use std::path::Path;
 use tyndall::timelapse::cluster;
-use tyndall::timelapse::film::{Film, Rate};
+use tyndall::timelapse::film::Film;
+use tyndall::timelapse::frames::Rate;
 use tyndall::timelapse::plan::{ExposurePlan, FrameLine, Header};
 
 /// What a page tells.
