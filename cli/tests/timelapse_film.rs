@@ -79,7 +79,7 @@ fn frames(folder: &Path, size: [u32; 2], count: u64) -> Frames {
                 rgb.extend(match (inside, x < width / 8) {
                     (true, _) => [200, 30, 40],
                     (_, true) => [30, 160, 60],
-                    _ => [light as u8 / 2, light as u8 * 3 / 4, light as u8],
+                    _ => [light / 2, light * 3 / 4, light].map(|code| code as u8),
                 });
             }
         }
@@ -612,12 +612,7 @@ fn frames_are_put_together_once_they_are_all_there() {
         .expect("tyndall starts");
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(stderr(&output).contains("built in"), "{}", stderr(&output));
-    for name in [
-        "timelapse.mp4",
-        "timelapse-sheet.png",
-        "timelapse-curves.svg",
-        "timelapse.html",
-    ] {
+    for name in ["f.mp4", "f-sheet.png", "f-curves.svg", "f.html"] {
         assert!(there(&format!("out/{name}")), "{name}");
     }
 

@@ -234,15 +234,30 @@ impl Sequence {
             }
         };
         let mut metered = Vec::with_capacity(key_frames.len());
+        let size = self.asked.conditions.view.size;
+        let small = exposure::small(size);
         for (done, number) in key_frames.iter().enumerate() {
             told(done, key_frames.len());
-            metered.push(self.meter(*number, backend, limits, progress)?);
+            metered.push(self.meter(*number, small, backend, limits, progress)?);
         }
         told(key_frames.len(), key_frames.len());
         // What lasts for the whole sequence was made for the first.
         if let [first, second, ..] = &mut metered[..] {
-            first.seconds[0] = first.seconds[0].min(second.seconds[0]);
+            for (own, next) in first.seconds.iter_mut().zip(second.seconds) {
+                *own = own.min(next);
+            }
         }
+        // Light is found at places that many pixels share: how time grows with pixels is looked at once.
+        let larger = small.map(|side| 2 * side);
+        let growth = match (key_frames.last(), metered.last()) {
+            (Some(number), Some(last)) if larger[0] <= size[0] && larger[1] <= size[1] => {
+                let more = self.meter(*number, larger, backend, limits, progress)?;
+                let ratio = more.seconds[1] / last.seconds[1].max(f64::MIN_POSITIVE);
+                (ratio.ln() / 4f64.ln()).clamp(0.0, 1.0)
+            }
+            _ => 1.0,
+        };
+        let ratio = (pixels(size) / pixels(small)).powf(growth);
         let numbers = || key_frames.iter().map(|number| *number as f64).zip(&metered);
         let exposure = match self.asked.exposure {
             Some(ev100) => vec![[0.0, ev100]],
@@ -251,7 +266,6 @@ impl Sequence {
                 seen.collect()
             }
         };
-        let ratio = self.pixels() / pixels(exposure::small(self.asked.conditions.view.size));
         let seconds = numbers().map(|(number, m)| [number, m.seconds[0] + ratio * m.seconds[1]]);
         let seconds = Curve::new(seconds.collect());
         let exposure = Curve::new(exposure);
@@ -277,21 +291,18 @@ impl Sequence {
         })
     }
 
-    fn pixels(&self) -> f64 {
-        pixels(self.asked.conditions.view.size)
-    }
-
     /// Meters a small picture of a frame.
     fn meter(
         &self,
         number: u64,
+        size: [u32; 2],
         backend: &mut Backend,
         limits: &Limits,
         progress: Progress,
     ) -> Result<Metered> {
         let conditions = self.conditions(self.asked.when.get(number)?)?;
         let view = View {
-            size: exposure::small(conditions.view.size),
+            size,
             samples: 1,
             ..conditions.view.clone()
         };
@@ -401,7 +412,7 @@ impl Sequence {
             Format::Hdr => 4,
         };
         let each: u64 = self.outputs.of(0).map(|(_, format)| of(format)).sum();
-        each * self.pixels() as u64
+        each * pixels(self.asked.conditions.view.size) as u64
     }
 }
 

@@ -11,6 +11,7 @@ use crate::tell;
 use clap::Args;
 use serde_json::json;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 use tyndall::Result;
 use tyndall::backend::choose::choose;
@@ -275,11 +276,16 @@ impl Run<'_> {
             return Ok(reader);
         }
         let planned = self.plan(backend)?;
-        plan::write(
-            self.plan_file,
-            &planned.header,
-            self.sequence.lines(&planned),
-        )?;
+        let stopped = || {
+            self.limits
+                .stop
+                .is_some_and(|stop| stop.load(Ordering::Relaxed))
+        };
+        let lines = self.sequence.lines(&planned).map(|line| match stopped() {
+            true => Err(Error::Stopped),
+            false => line,
+        });
+        plan::write(self.plan_file, &planned.header, lines)?;
         tell::line("plan", self.plan_file.display());
         Reader::open(self.plan_file)
     }
@@ -435,7 +441,17 @@ impl Run<'_> {
         let start = Instant::now();
         let bar = tell::bar();
         let (mut predicted, mut todo) = (0.0, work.frames.iter().copied().peekable());
-        for line in Reader::open(self.plan_file)? {
+        let plan = self.sequence.planned(self.plan_file, backend)?;
+        let plan = plan.ok_or_else(|| {
+            Error::failed(
+                format!(
+                    "{}: another run has put its plan in the place of this one's",
+                    self.plan_file.display()
+                ),
+                "give its frames other names, or wait for its end",
+            )
+        })?;
+        for line in plan {
             let line = line?;
             if todo.next_if_eq(&line.index).is_none() {
                 continue;

@@ -114,13 +114,15 @@ impl FilmArgs {
         if !self.assemble || wanted != Wanted::default() {
             return wanted;
         }
-        let beside = |name: &str| Some(plan.with_file_name(name));
+        let name = plan.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.split(".plan.").next().unwrap_or_default();
+        let beside = |ending: &str| Some(plan.with_file_name(format!("{name}{ending}")));
         let shown = png_of(outputs).is_some();
         Wanted {
-            film: beside("timelapse.mp4").filter(|_| shown),
-            sheet: beside("timelapse-sheet.png").filter(|_| shown),
-            curves: beside("timelapse-curves.svg"),
-            page: beside("timelapse.html"),
+            film: beside(".mp4").filter(|_| shown),
+            sheet: beside("-sheet.png").filter(|_| shown),
+            curves: beside("-curves.svg"),
+            page: beside(".html"),
         }
     }
 
