@@ -100,7 +100,7 @@ fn ffmpeg_line(
     line.push(as_file(OsStr::new(&pattern)));
     let words = ["-frames:v", &count, "-vf", &filters];
     line.extend(words.map(OsString::from));
-    let words = "-c:v libx264 -preset slow -crf 14 -pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 -color_trc bt709 \
+    let words = "-c:v libx264 -preset slow -crf 10 -pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 -color_trc bt709 \
          -color_range tv -movflags +faststart -f mp4";
     line.extend(words.split_whitespace().map(OsString::from));
     line.push(as_file(film.as_os_str()));
