@@ -51,6 +51,14 @@ pub enum Error {
         /// What the user can do.
         remedy: String,
     },
+    /// A part of the work is left to be done, here or elsewhere (exit status 75, `EX_TEMPFAIL`).
+    #[error("{problem}; {remedy}")]
+    Unfinished {
+        /// What is left.
+        problem: String,
+        /// How it is done.
+        remedy: String,
+    },
     /// The work was stopped by whoever had asked for it.
     #[error("the work was stopped before it was done; start it again")]
     Stopped,
@@ -115,7 +123,10 @@ impl Error {
     pub fn is_input(&self) -> bool {
         !matches!(
             self,
-            Error::Failed { .. } | Error::Stopped | Error::File { writing: true, .. }
+            Error::Failed { .. }
+                | Error::Unfinished { .. }
+                | Error::Stopped
+                | Error::File { writing: true, .. }
         )
     }
 
@@ -131,7 +142,7 @@ impl Error {
             Error::Input { place, problem, .. } => format!("{place}: {problem}"),
             Error::File { .. } => self.to_string(),
             Error::Stopped => "the work was stopped before it was done".into(),
-            Error::Failed { problem, .. } => problem.clone(),
+            Error::Failed { problem, .. } | Error::Unfinished { problem, .. } => problem.clone(),
         }
     }
 
@@ -140,7 +151,8 @@ impl Error {
         match self {
             Error::Domain { remedy, .. }
             | Error::Input { remedy, .. }
-            | Error::Failed { remedy, .. } => remedy.clone(),
+            | Error::Failed { remedy, .. }
+            | Error::Unfinished { remedy, .. } => remedy.clone(),
             Error::Stopped => "start it again".into(),
             Error::File { writing: true, .. } => {
                 "check that the folder exists, may be written and has room".into()

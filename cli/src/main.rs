@@ -14,11 +14,13 @@ mod arguments;
 mod commands;
 mod machine;
 mod plots;
+mod signals;
 mod tables;
 mod tell;
 
 use crate::commands::{
     accuracy, completions, daylight, doctor, photometry, plan, render, scene, schema, sky, sun,
+    timelapse,
 };
 use clap::{CommandFactory, Parser, Subcommand};
 use std::io::{ErrorKind, Write};
@@ -37,6 +39,9 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    // Its times are between its ends.
+    #[command(mut_arg("time", |time| time.hide(true)))]
+    Timelapse(Box<timelapse::TimelapseArgs>),
     Plan(plan::PlanCommand),
     // A meter is read where a picture is looked at.
     #[command(mut_arg("quality", |quality| quality.default_value("high")))]
@@ -55,7 +60,9 @@ enum Command {
 }
 
 /// Flags whose values may begin with a minus sign, so that clap would take a flag for their value.
-const SIGNED: [&str; 6] = ["--at", "--time", "--tz", "--sun", "--eye", "--target"];
+const SIGNED: [&str; 8] = [
+    "--at", "--time", "--from", "--to", "--tz", "--sun", "--eye", "--target",
+];
 
 /// Ends the program where one of [`SIGNED`] is followed by a flag instead of a value.
 fn check_values(arguments: &[String]) {
@@ -93,6 +100,7 @@ fn print(said: &clap::Error) -> ExitCode {
 fn run(command: Command) -> ExitCode {
     let result = machine::prepare().and_then(|()| match command {
         Command::Render(args) => render::run(&args),
+        Command::Timelapse(args) => timelapse::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Daylight(args) => daylight::run(&args),
         Command::Sun(args) => sun::run(&args),
@@ -109,7 +117,12 @@ fn run(command: Command) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tell::error(&error);
-            ExitCode::from(if error.is_input() { 2 } else { 1 })
+            let asked = match error {
+                Error::Stopped => signals::exit_status(),
+                Error::Unfinished { .. } => Some(signals::TRY_AGAIN),
+                _ => None,
+            };
+            ExitCode::from(asked.unwrap_or(if error.is_input() { 2 } else { 1 }))
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use tyndall::Error;
 use tyndall::backend::convergence::Convergence;
@@ -9,9 +10,12 @@ use tyndall::backend::{Rendered, Step};
 use tyndall::conditions::Conditions;
 use tyndall::effect::{Contribution, Paid};
 use tyndall::plan::Plan;
+use tyndall::timelapse::cluster;
+use tyndall::timelapse::film::Maker;
 use tyndall::warning::Warning;
 
-fn line(label: &str, text: impl std::fmt::Display) {
+/// A line of what is said, with what it is about in front.
+pub fn line(label: &str, text: impl std::fmt::Display) {
     eprintln!("{label:<11}{}", clean(&text.to_string()));
 }
 
@@ -181,6 +185,15 @@ pub fn convergence(convergence: &Convergence) {
             convergence.pixels
         ),
     );
+}
+
+/// What makes a film, with its line where it is another program.
+pub fn film(maker: &Maker, program: &[OsString]) {
+    line("film", maker);
+    if !program.is_empty() {
+        let words: Vec<_> = program.iter().map(|word| word.to_string_lossy()).collect();
+        line("", cluster::shell_line(&words));
+    }
 }
 
 /// What was written.

@@ -6,6 +6,7 @@ use super::rendering::{Limits, Rendered};
 use crate::conditions::Conditions;
 use crate::effect::Kept;
 use crate::error::{Error, Result};
+use crate::frame::Record;
 use crate::plan::{Overrules, Plan};
 use crate::task::Progress;
 
@@ -64,6 +65,38 @@ impl Backend {
                     "reference (CPU, f64, {} threads)",
                     rayon::current_num_threads()
                 )
+            }
+        }
+    }
+
+    /// What computes, as far as pictures depend on it: two of the same identity make the same picture to the last bit. How many
+    /// threads there are does not count.
+    pub fn identity(&self) -> String {
+        match self {
+            Backend::Gpu(gpu) => {
+                let adapter = &gpu.device().adapter;
+                format!("{} {} {}", adapter.backend, adapter.name, adapter.driver)
+            }
+            Backend::Reference(_) => "reference".to_owned(),
+        }
+    }
+
+    /// Says in a picture's record how it came about, beside what its rendering has said already.
+    pub fn record(&self, plan: &Plan, record: &mut Record) {
+        record.set("version", env!("CARGO_PKG_VERSION"));
+        for (name, value) in plan.conditions.facts() {
+            record.set(name, value);
+        }
+        let method = plan.running().find_map(|step| step.effect.method);
+        let method = match self {
+            // It is exact and knows none of the methods.
+            Backend::Reference(_) => "exact lit runs (reference)",
+            Backend::Gpu(_) => method.map_or("none", |method| method.name()),
+        };
+        record.set("method", method);
+        for step in plan.running() {
+            for (knob, value) in &step.settings {
+                record.set(format!("{}.{knob}", step.effect.name), *value);
             }
         }
     }

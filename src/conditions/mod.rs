@@ -99,6 +99,11 @@ fn typical_luminance(sun: &Sun, sky: Option<&Sky>) -> f64 {
 }
 
 impl Conditions {
+    /// What was asked of the scene beside what it says itself.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+
     /// Whether anything gives light: sky, sun or lamps.
     pub fn is_lit(&self) -> bool {
         self.sky.is_some() || self.sun.shines() || !self.lamps.is_empty()

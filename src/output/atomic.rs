@@ -10,6 +10,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
+/// Letters and digits by which the names of temporary files differ.
+const RANDOM: usize = 6;
+
 /// Whether a file of this name could be written, to be asked before the work that fills it.
 ///
 /// Leaves nothing behind, so that a run which is interrupted leaves nothing either.
@@ -29,12 +32,28 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Res
     let whole = || {
         let (target, mut temporary) = begin(path)?;
         fill(temporary.as_file_mut())?;
-        temporary.as_file().sync_all()?;
-        temporary.persist(&target).map_err(|e| e.error)?;
-        sync_folder(&target);
-        Ok(())
+        end(&target, temporary)
     };
     whole().map_err(|e| Error::writing(path, e))
+}
+
+/// Has the file `path` written by another program: `fill` gets the name under which it lies until it is whole.
+///
+/// # Errors
+/// Those of [`check`]; those of `fill`, and [`Error::File`] with whatever the disk reports.
+pub fn write_by_name(path: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    let wrong = |e| Error::writing(path, e);
+    let (target, temporary) = begin(path).map_err(wrong)?;
+    fill(temporary.path())?;
+    end(&target, temporary).map_err(wrong)
+}
+
+/// Renames a file that is whole.
+fn end(target: &Path, temporary: NamedTempFile) -> io::Result<()> {
+    temporary.as_file().sync_all()?;
+    temporary.persist(target).map_err(|e| e.error)?;
+    sync_folder(target);
+    Ok(())
 }
 
 /// The file that `path` stands for, links followed, and an empty one beside it that vanishes unless it is renamed.
@@ -72,7 +91,7 @@ fn begin(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
     });
     prefix.push(".");
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix);
+    builder.prefix(&prefix).rand_bytes(RANDOM);
     // A temporary file is its owner's alone; a picture is as open as any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -81,6 +100,13 @@ fn begin(path: &Path) -> io::Result<(PathBuf, NamedTempFile)> {
         temporary.as_file().set_permissions(found.permissions())?;
     }
     Ok((target, temporary))
+}
+
+/// The name of the file that a temporary one was to become, by the name of that: what was killed on the way has left it.
+pub fn name_of(temporary: &str) -> Option<&str> {
+    let (name, random) = temporary.strip_prefix('.')?.rsplit_once('.')?;
+    let is_random = random.len() == RANDOM && random.bytes().all(|b| b.is_ascii_alphanumeric());
+    (is_random && !name.is_empty()).then_some(name)
 }
 
 /// What the system said, without the name that only we know.

@@ -124,6 +124,17 @@ impl Canvas {
         }
     }
 
+    /// Copies a picture of a width [pixels], three bytes a pixel, with its upper left corner at the nearest pixel; what does not fit is cut.
+    pub fn picture(&mut self, at: [f64; 2], width: usize, rgb: &[u8]) {
+        let [left, top] = at.map(|c| c.round().max(0.0) as usize);
+        for (i, codes) in rgb.chunks_exact(3).enumerate() {
+            let (x, y) = (left + i % width.max(1), top + i / width.max(1));
+            if x < self.width && y < self.height {
+                self.pixels[y * self.width + x] = [codes[0], codes[1], codes[2]].map(f32::from);
+            }
+        }
+    }
+
     /// Three bytes a pixel from the top left, sRGB.
     pub fn bytes(&self) -> Vec<u8> {
         self.pixels

@@ -28,6 +28,11 @@ enum Item {
         color: Color,
         text: String,
     },
+    Picture {
+        at: [f64; 2],
+        size: [u32; 2],
+        rgb: Vec<u8>,
+    },
 }
 
 /// A drawing on white paper, x to the right and y downward.
@@ -38,7 +43,7 @@ pub struct Drawing {
 }
 
 /// Pixels of a PNG for a unit of the drawing.
-const PIXELS: f64 = 2.0;
+pub const PIXELS: f64 = 2.0;
 
 impl Drawing {
     /// Paper of a width and a height.
@@ -115,6 +120,12 @@ impl Drawing {
         });
     }
 
+    /// A picture of a width and a height [pixels], three bytes a pixel, with its upper left corner there, [`PIXELS`] of it to a unit;
+    /// what does not fit on the paper is cut.
+    pub fn picture(&mut self, at: [f64; 2], size: [u32; 2], rgb: Vec<u8>) {
+        self.items.push(Item::Picture { at, size, rgb });
+    }
+
     /// Writes the drawing as its name's end says, .svg or .png.
     ///
     /// # Errors
@@ -128,9 +139,8 @@ impl Drawing {
         {
             Some("svg") => atomic::write(path, |file| file.write_all(self.svg().as_bytes())),
             Some("png") => {
-                let canvas = self.canvas();
-                let [width, height] = [canvas.width(), canvas.height()].map(|side| side as u32);
-                png::write(path, width, height, &canvas.bytes())
+                let png = self.png()?;
+                atomic::write(path, |file| file.write_all(&png))
             }
             _ => Err(Error::input(
                 path.display().to_string(),
@@ -138,6 +148,16 @@ impl Drawing {
                 "choose one of the two",
             )),
         }
+    }
+
+    /// The drawing as the bytes of a PNG.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when it cannot be encoded.
+    pub fn png(&self) -> Result<Vec<u8>> {
+        let canvas = self.canvas();
+        let size = [canvas.width(), canvas.height()].map(|side| side as u32);
+        encoded(size, &canvas.bytes())
     }
 
     /// The drawing as SVG.
@@ -200,6 +220,20 @@ impl Drawing {
                         0.3 * size
                     );
                 }
+                Item::Picture {
+                    at: [x, y],
+                    size,
+                    rgb,
+                } => {
+                    let [width, height] = size.map(|side| f64::from(side) / PIXELS);
+                    // Its size is its own: nothing but memory can fail, and there is no picture without it either.
+                    let link = encoded(*size, rgb)
+                        .map(|png| data_link(&png))
+                        .unwrap_or_default();
+                    svg += &format!(
+                        "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width}\" height=\"{height}\" href=\"{link}\"/>\n"
+                    );
+                }
             }
         }
         svg + "</svg>\n"
@@ -249,10 +283,32 @@ impl Drawing {
                     let halo = Some([255; 3]);
                     draw_text(&mut canvas, at, text, size * PIXELS, *anchor, *color, halo);
                 }
+                Item::Picture { at, size, rgb } => {
+                    canvas.picture(at.map(|c| c * PIXELS), size[0] as usize, rgb);
+                }
             }
         }
         canvas
     }
+}
+
+/// A picture as the bytes of a PNG.
+fn encoded([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    png::write_to(&mut bytes, width, height, rgb, &[]).map_err(|error| {
+        Error::failed(
+            format!("the PNG could not be encoded: {error}"),
+            "write an .svg instead",
+        )
+    })?;
+    Ok(bytes)
+}
+
+/// A PNG as the address of itself.
+pub fn data_link(png: &[u8]) -> String {
+    use base64::Engine;
+    let text = base64::engine::general_purpose::STANDARD.encode(png);
+    format!("data:image/png;base64,{text}")
 }
 
 fn coordinates(points: &[[f64; 2]]) -> String {

@@ -253,29 +253,76 @@ impl SamplesWriter for Samples<'_> {
 /// The exr crate keeps our own in a hash map, so that the same picture would give another file every time. The order
 /// means nothing to readers, and the header keeps its length.
 fn sort_attributes(file: &mut File) -> io::Result<()> {
-    const MAGIC_AND_VERSION: u64 = 8;
     file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
-    let mut reader = io::BufReader::new(&mut *file);
+    let mut attributes = read_attributes(&mut io::BufReader::new(&mut *file))?;
+    attributes.sort();
+    file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
+    file.write_all(&attributes.concat())
+}
+
+/// Bytes before the first attribute.
+const MAGIC_AND_VERSION: u64 = 8;
+
+/// No attribute that is written here is as long [bytes].
+const LONGEST_ATTRIBUTE: u32 = 1 << 24;
+
+/// The attributes of a header, each with its name, type and length.
+fn read_attributes(reader: &mut impl io::BufRead) -> io::Result<Vec<Vec<u8>>> {
     let mut attributes = Vec::new();
     loop {
         let mut attribute = Vec::new();
         // Name and type end in zero; an attribute without a name ends the header.
-        read_name(&mut reader, &mut attribute)?;
+        read_name(reader, &mut attribute)?;
         if attribute == [0] {
-            break;
+            return Ok(attributes);
         }
-        read_name(&mut reader, &mut attribute)?;
+        read_name(reader, &mut attribute)?;
         let mut length = [0; 4];
         reader.read_exact(&mut length)?;
         attribute.extend(length);
         let start = attribute.len();
-        attribute.resize(start + u32::from_le_bytes(length) as usize, 0);
+        let length = u32::from_le_bytes(length);
+        if length > LONGEST_ATTRIBUTE {
+            return Err(io::ErrorKind::InvalidData.into());
+        }
+        attribute.resize(start + length as usize, 0);
         reader.read_exact(&mut attribute[start..])?;
         attributes.push(attribute);
     }
-    attributes.sort();
+}
+
+/// What an EXR that is whole says under `name` in its record, in words; nothing for a file that is cut off or was not written here.
+pub(super) fn words(path: &Path, name: &str) -> io::Result<Option<String>> {
+    let mut file = io::BufReader::new(File::open(path)?);
+    let length = file.get_ref().metadata()?.len();
     file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
-    file.write_all(&attributes.concat())
+    let attributes = read_attributes(&mut file)?;
+    let head = format!("{name}\0string\0").into_bytes();
+    let found = attributes.iter().find(|a| a.starts_with(&head));
+    let words = found.and_then(|a| str::from_utf8(&a[head.len() + 4..]).ok());
+    Ok(words
+        .filter(|_| ends_with_its_last_block(&mut file, length).unwrap_or(false))
+        .map(str::to_owned))
+}
+
+/// Whether a file ends where its last block does. The table of blocks follows the header, where the reader stands.
+fn ends_with_its_last_block(file: &mut (impl Read + Seek), length: u64) -> io::Result<bool> {
+    let number = |file: &mut _, bytes: usize| {
+        let mut buffer = [0; 8];
+        Read::read_exact(file, &mut buffer[..bytes])?;
+        io::Result::Ok(u64::from_le_bytes(buffer))
+    };
+    let table = file.stream_position()?;
+    // Blocks stand in the order of the table, the first one behind it.
+    let first = number(file, 8)?;
+    if first < table + 8 || first > length {
+        return Ok(false);
+    }
+    file.seek(SeekFrom::Start(first - 8))?;
+    let last = number(file, 8)?;
+    // Before a block stand its first row and its size.
+    file.seek(SeekFrom::Start(last + 4))?;
+    Ok(number(file, 4)?.saturating_add(last + 8) == length)
 }
 
 fn read_name(reader: &mut impl io::BufRead, into: &mut Vec<u8>) -> io::Result<()> {

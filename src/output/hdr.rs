@@ -6,9 +6,10 @@
 
 use super::{OutputSpace, Units, atomic};
 use crate::error::Result;
-use crate::frame::Frame;
+use crate::frame::{Frame, Value};
 use rayon::prelude::*;
-use std::io::{BufWriter, Write};
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
 /// What Radiance calls WHTEFFICACY [lm/W].
@@ -27,6 +28,9 @@ pub fn write(path: &Path, frame: &Frame, space: &OutputSpace) -> Result<()> {
         write!(out, "PRIMARIES=")?;
         for xy in [red, green, blue, space.white] {
             write!(out, " {:.4} {:.4}", xy.x, xy.y)?;
+        }
+        if let Some(Value::Text(key)) = frame.record.get("key") {
+            write!(out, "\n{KEY}={key}")?;
         }
         write!(out, "\nFORMAT=32-bit_rle_rgbe\n\n")?;
         writeln!(out, "-Y {} +X {}", frame.height, frame.width)?;
@@ -49,6 +53,25 @@ pub fn write(path: &Path, frame: &Frame, space: &OutputSpace) -> Result<()> {
         }
         out.flush()
     })
+}
+
+/// The key of the picture's record, if it has one.
+const KEY: &str = "TYNDALL_KEY";
+
+/// The key that an HDR holds.
+pub(super) fn key(path: &Path) -> std::io::Result<Option<String>> {
+    let head = BufReader::new(File::open(path)?.take(4096)).split(b'\n');
+    for line in head {
+        let line = line?;
+        if line.is_empty() {
+            break;
+        }
+        let words = line.strip_prefix(KEY.as_bytes());
+        if let Some(key) = words.and_then(|words| words.strip_prefix(b"=")) {
+            return Ok(String::from_utf8(key.to_vec()).ok());
+        }
+    }
+    Ok(None)
 }
 
 /// Mantissas rounded down and the exponent that they share, 128 for a largest component in [0.5, 1).

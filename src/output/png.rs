@@ -6,7 +6,8 @@ use crate::error::Result;
 use crate::frame::Frame;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::io::{BufWriter, Error, Write};
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Error, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// Writes `rgb`, three bytes a pixel from the top left, as sRGB (IEC 61966-2-1).
@@ -14,18 +15,63 @@ use std::path::Path;
 /// # Errors
 /// [`crate::Error::File`] when the file cannot be written or `rgb` is not `3 * width * height` long.
 pub fn write(path: &Path, width: u32, height: u32, rgb: &[u8]) -> Result<()> {
+    write_with(path, width, height, rgb, &[])
+}
+
+/// The same with words of the picture's own, by their names (Latin-1), in chunks `tEXt`.
+///
+/// # Errors
+/// Those of [`write`].
+pub fn write_with(
+    path: &Path,
+    width: u32,
+    height: u32,
+    rgb: &[u8],
+    words: &[(&str, &str)],
+) -> Result<()> {
     atomic::write(path, |file| {
         let mut buffered = BufWriter::new(file);
-        let mut encoder = png::Encoder::new(&mut buffered, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        encoder.add_text_chunk("Software".into(), super::exr::SOFTWARE.into())?;
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(rgb).map_err(Error::from)?;
-        writer.finish()?;
+        write_to(&mut buffered, width, height, rgb, words)?;
         buffered.flush()
     })
+}
+
+/// Writes the bytes of the file.
+///
+/// # Errors
+/// Where they cannot be written, or `rgb` is not `3 * width * height` long.
+pub(super) fn write_to(
+    out: &mut impl Write,
+    width: u32,
+    height: u32,
+    rgb: &[u8],
+    words: &[(&str, &str)],
+) -> std::io::Result<()> {
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.add_text_chunk("Software".into(), super::exr::SOFTWARE.into())?;
+    for (name, words) in words {
+        encoder.add_text_chunk((*name).into(), (*words).into())?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb).map_err(Error::from)?;
+    writer.finish().map_err(Error::from)
+}
+
+/// What a PNG that is whole says under `name` in a chunk `tEXt`; nothing for a file that is cut off or no PNG.
+pub(super) fn words(path: &Path, name: &str) -> std::io::Result<Option<String>> {
+    const END: [u8; 12] = *b"\0\0\0\0IEND\xaeB`\x82";
+    let mut file = BufReader::new(File::open(path)?);
+    let mut end = [0; END.len()];
+    file.seek(SeekFrom::End(-(END.len() as i64)))?;
+    file.read_exact(&mut end)?;
+    file.rewind()?;
+    let reader = png::Decoder::new(file).read_info().map_err(Error::other)?;
+    let mut all = reader.info().uncompressed_latin1_text.iter();
+    let found = all.find(|chunk| chunk.keyword == name && end == END);
+    Ok(found.map(|chunk| chunk.text.clone()))
 }
 
 /// The bytes of a picture: each pixel through exposure, display transform and dither ([`display`]).

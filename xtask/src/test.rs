@@ -5,6 +5,7 @@
 
 mod apt;
 mod python;
+mod slurm;
 mod vulkan;
 
 use std::collections::BTreeMap;
@@ -54,6 +55,12 @@ fn run_all(arguments: Vec<String>) -> Result<bool, String> {
     if let Some(folder) = runtime_folder(&target) {
         command.env("XDG_RUNTIME_DIR", folder);
     }
+    // It ends with this function.
+    let slurm = slurm::prepare(&target);
+    match &slurm {
+        Some(slurm) => command.env("TYNDALL_SLURM", slurm.folder()),
+        None => command.env_remove("TYNDALL_SLURM"),
+    };
     // Tests of different packages run in different folders.
     if let Some(data) = std::env::var_os("TYNDALL_DATA")
         && let Ok(data) = std::path::absolute(data)

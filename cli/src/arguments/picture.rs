@@ -1,9 +1,54 @@
-//! The values of the flags that say how a picture file is written.
+//! The flags that say what renders a picture and how its files are written.
 
+use crate::arguments::backend::BackendFlag;
 use clap::{Args, ValueEnum};
 use tyndall::Result;
 use tyndall::colour::Space;
-use tyndall::output::{Numbers, OutputSpace, Units};
+use tyndall::output::{self, Numbers, OutputSpace, Units};
+use tyndall::scene::Scene;
+
+/// What renders, and what is in the files.
+#[derive(Debug, Args)]
+pub struct PictureArgs {
+    /// What renders: auto uses a hardware adapter, else the CPU reference; gpu also accepts a software adapter
+    #[arg(long, value_name = "BACKEND", default_value = "auto", value_enum)]
+    pub backend: BackendFlag,
+    /// The layers of the EXR, separated by commas [default: all]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    layers: Vec<String>,
+    /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2 [default: the scene's, or auto]
+    #[arg(long, value_name = "auto|EV", allow_negative_numbers = true, value_parser = exposure_flag)]
+    exposure: Option<Exposure>,
+    /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
+    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
+    color_space: Space,
+    #[command(flatten)]
+    numbers: NumbersArgs,
+}
+
+impl PictureArgs {
+    /// The layers of an EXR.
+    ///
+    /// # Errors
+    /// Those of [`output::select_layers`].
+    pub fn layers(&self) -> Result<Vec<&'static str>> {
+        output::select_layers(&self.layers)
+    }
+
+    /// The exposure that the flag or the scene asks for [EV100]; nothing where pictures are to be metered.
+    pub fn ev100(&self, scene: &Scene) -> Option<f64> {
+        match self.exposure {
+            Some(Exposure::Ev100(ev100)) => Some(ev100),
+            Some(Exposure::Auto) => None,
+            None => scene.picture.exposure_ev100,
+        }
+    }
+
+    /// The colour space as the writers take it.
+    pub fn space(&self) -> OutputSpace {
+        output_space(self.color_space, self.numbers.numbers(false))
+    }
+}
 
 /// The exposure of a PNG.
 #[derive(Debug, Clone, Copy)]

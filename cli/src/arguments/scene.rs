@@ -40,7 +40,7 @@ pub struct SceneArgs {
     #[command(flatten)]
     place: PlaceArgs,
     #[command(flatten)]
-    time: TimeArgs,
+    pub time: TimeArgs,
     #[command(flatten)]
     ephemeris: SunArgs,
     /// Put the sun there instead: degrees, azimuth from north through east; no refraction is added
@@ -145,7 +145,14 @@ impl ViewArgs {
     /// # Errors
     /// Those of [`scene::load`] and [`Conditions::new`].
     pub fn conditions(&self) -> Result<Conditions> {
-        let mut scene = self.scene.load()?;
+        self.conditions_of(self.scene.load()?)
+    }
+
+    /// The conditions of the scene that these flags load ([`SceneArgs::load`]), and of what was changed of it.
+    ///
+    /// # Errors
+    /// Those of [`Conditions::new`].
+    pub fn conditions_of(&self, mut scene: Scene) -> Result<Conditions> {
         let request = Request {
             size: self.camera.size,
             samples: self.camera.samples,
@@ -198,6 +205,11 @@ impl SceneArgs {
     /// The sky that a flag asks for.
     pub fn sky(&self) -> Option<&str> {
         self.sky.as_deref()
+    }
+
+    /// Whether a flag puts the sun somewhere.
+    pub fn has_given_sun(&self) -> bool {
+        self.sun.is_some()
     }
 
     /// How place and time are read.

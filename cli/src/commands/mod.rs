@@ -18,3 +18,5 @@ pub mod sky;
 pub mod study;
 pub mod sun;
 pub mod sun_events;
+pub mod timelapse;
+pub mod timelapse_film;

@@ -1,9 +1,8 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
-use crate::arguments::backend::BackendFlag;
 use crate::arguments::grid::scale;
 use crate::arguments::memory::MemoryArgs;
-use crate::arguments::picture::{Exposure, NumbersArgs, exposure_flag, output_space, space};
+use crate::arguments::picture::PictureArgs;
 use crate::arguments::scene::{PlanArgs, ViewArgs};
 use crate::machine;
 use crate::tables::{stdout, work};
@@ -17,7 +16,7 @@ use tyndall::backend::Rendered;
 use tyndall::backend::check::{Check, Yardstick};
 use tyndall::backend::choose::choose;
 use tyndall::backend::convergence::Convergence;
-use tyndall::colour::{Space, exposure, luminance};
+use tyndall::colour::{exposure, luminance};
 use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
@@ -32,9 +31,6 @@ pub struct RenderArgs {
     view: ViewArgs,
     #[command(flatten)]
     plan: PlanArgs,
-    /// What renders: auto uses a hardware adapter, else the CPU reference; gpu also accepts a software adapter
-    #[arg(long, value_name = "BACKEND", default_value = "auto", value_enum)]
-    backend: BackendFlag,
     /// Compare about N random pixels with the reference at its finest, and report the measured error
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     check: Option<u64>,
@@ -44,20 +40,11 @@ pub struct RenderArgs {
     /// A file to write, by its ending .png, .exr or .hdr; may be repeated [default: tyndall.png and tyndall.exr]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
-    /// The layers of the EXR, separated by commas [default: all]
-    #[arg(long, value_name = "A,B", value_delimiter = ',')]
-    layers: Vec<String>,
-    /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2 [default: the scene's, or auto]
-    #[arg(long, value_name = "auto|EV", allow_negative_numbers = true, value_parser = exposure_flag)]
-    exposure: Option<Exposure>,
     /// Show luminance [cd/m2] in the PNG as false colours with isolines and a legend, in a range: 0..2000
     #[arg(long, value_name = "LOW..HIGH", value_parser = scale, conflicts_with = "exposure")]
     false_colour: Option<Scale>,
-    /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
-    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
-    color_space: Space,
     #[command(flatten)]
-    numbers: NumbersArgs,
+    picture: PictureArgs,
     /// Write what was done to a JSON file
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
@@ -77,7 +64,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         args.output.clone()
     };
     let formats = output::check_targets(&files)?;
-    let layers = output::select_layers(&args.layers)?;
+    let layers = args.picture.layers()?;
     let conditions = args.view.conditions()?;
     let mut in_use = args.view.scene.files(&conditions.scene);
     for file in &files {
@@ -94,7 +81,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let mut overrules = args.plan.overrules();
     let mut stages = vec![("prepare".to_owned(), start.elapsed().as_secs_f64())];
     let opening = Instant::now();
-    let mut backend = machine::open(args.backend.wanted())?;
+    let mut backend = machine::open(args.picture.backend.wanted())?;
     stages.push(("device".to_owned(), opening.elapsed().as_secs_f64()));
     let planning = Instant::now();
     if let Some(goal) = args.plan.goal() {
@@ -116,30 +103,18 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let writing = Instant::now();
     let ev100 = ev100(args, &conditions, &rendered.frame);
     let record = &mut rendered.frame.record;
-    work::record(record, &backend, &plan);
+    backend.record(&plan, record);
     record.set("exposure_ev100", ev100);
+    let space = args.picture.space();
     for (path, format) in files.iter().zip(&formats) {
-        let space = output_space(args.color_space, args.numbers.numbers(false));
-        match format {
-            Format::Exr => output::exr::write(path, &rendered.frame, &space, &layers)?,
-            Format::Hdr => output::hdr::write(path, &rendered.frame, &space)?,
-            Format::Png => {
-                let (size, bytes) = match &args.false_colour {
-                    Some(scale) => {
-                        let scale = scale.clone().named("luminance", "cd/m2");
-                        let shown = output::false_colour::picture(&rendered.frame, &scale);
-                        (
-                            [shown.width(), shown.height()].map(|side| side as u32),
-                            shown.bytes(),
-                        )
-                    }
-                    None => {
-                        let size = [rendered.frame.width, rendered.frame.height];
-                        (size, output::png::encode(&rendered.frame, ev100))
-                    }
-                };
-                output::png::write(path, size[0], size[1], &bytes)?;
+        match (format, &args.false_colour) {
+            (Format::Png, Some(scale)) => {
+                let scale = scale.clone().named("luminance", "cd/m2");
+                let shown = output::false_colour::picture(&rendered.frame, &scale);
+                let [width, height] = [shown.width(), shown.height()].map(|side| side as u32);
+                output::png::write(path, width, height, &shown.bytes())?;
             }
+            _ => output::write_picture(path, *format, &rendered.frame, &space, &layers, ev100)?,
         }
     }
     stages.extend(work::stages(&backend, &rendered));
@@ -200,15 +175,11 @@ fn check(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> Result<Op
 
 /// The exposure of the PNG: the flag's, the scene's, or what the picture's own luminances call for.
 fn ev100(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> f64 {
-    let scene = conditions.scene.picture.exposure_ev100;
-    match (args.exposure, scene) {
-        (Some(Exposure::Ev100(ev)), _) | (None, Some(ev)) => ev,
-        (Some(Exposure::Auto), _) | (None, None) => {
-            let luminances = (0..frame.pixels()).map(|i| luminance(frame.picture(i)));
-            // A black picture is black at any exposure.
-            exposure::auto(luminances).unwrap_or(0.0)
-        }
-    }
+    args.picture.ev100(&conditions.scene).unwrap_or_else(|| {
+        let luminances = (0..frame.pixels()).map(|i| luminance(frame.picture(i)));
+        // A black picture is black at any exposure.
+        exposure::auto(luminances).unwrap_or(0.0)
+    })
 }
 
 fn report(

@@ -127,7 +127,7 @@ impl Together for Meter<'_> {
             }
         }
         if done.first.is_none() {
-            work::record(&mut rendered.frame.record, &self.backend, &plan);
+            self.backend.record(&plan, &mut rendered.frame.record);
             let details = work::details(&self.backend, &rendered);
             let record = std::mem::take(&mut rendered.frame.record);
             done.first = Some((record, tell::plan_json(&plan), details));

@@ -5,32 +5,6 @@ use std::time::Duration;
 use tyndall::backend::check::Check;
 use tyndall::backend::{Backend, Rendered, StepTime};
 use tyndall::effect::{Effect, Paid};
-use tyndall::frame::Record;
-use tyndall::plan::Plan;
-
-/// How sunlight in the air was integrated.
-fn method(backend: &Backend, plan: &Plan) -> &'static str {
-    let mut methods = plan.running().filter_map(|step| step.effect.method);
-    match (backend, methods.next()) {
-        // It is exact and knows none of the methods.
-        (Backend::Reference(_), _) => "exact lit runs (reference)",
-        (Backend::Gpu(_), method) => method.map_or("none", |method| method.name()),
-    }
-}
-
-/// What a result says about how it came about, beside what its rendering has said already.
-pub fn record(record: &mut Record, backend: &Backend, plan: &Plan) {
-    record.set("version", env!("CARGO_PKG_VERSION"));
-    for (name, value) in plan.conditions.facts() {
-        record.set(name, value);
-    }
-    record.set("method", method(backend, plan));
-    for step in plan.running() {
-        for (knob, value) in &step.settings {
-            record.set(format!("{}.{knob}", step.effect.name), *value);
-        }
-    }
-}
 
 /// Stages for a report.
 pub fn stages_json(stages: &[(String, f64)]) -> Value {

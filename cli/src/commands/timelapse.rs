@@ -1,0 +1,596 @@
+//! `tyndall timelapse`: frames over a range of times.
+
+use crate::arguments::memory::MemoryArgs;
+use crate::arguments::picture::PictureArgs;
+use crate::arguments::scene::{PlanArgs, ViewArgs};
+use crate::commands::timelapse_film::{self, FilmArgs};
+use crate::machine;
+use crate::signals;
+use crate::tables::stdout;
+use crate::tell;
+use clap::Args;
+use serde_json::json;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+use tyndall::Result;
+use tyndall::backend::choose::choose;
+use tyndall::backend::{Backend, Limits};
+use tyndall::conditions::Request;
+use tyndall::ephemeris::Site;
+use tyndall::ephemeris::civil::{self, Reading};
+use tyndall::error::Error;
+use tyndall::output;
+use tyndall::plan::Plan;
+use tyndall::scene::Scene;
+use tyndall::task::Task;
+use tyndall::timelapse::cluster;
+use tyndall::timelapse::plan::{self, ExposurePlan, FrameLine, Header, Reader};
+use tyndall::timelapse::select::{Only, Shard};
+use tyndall::timelapse::template::Template;
+use tyndall::timelapse::when::{self, Count, Every, Observer, When};
+use tyndall::timelapse::{Asked, Sequence};
+use tyndall::warning::Warning;
+
+/// Make frames over a range of times, without a flicker and without a lost frame
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Ends are times as --time takes them, times of day with --date, or what the sun does on --date: astronomical-dawn, nautical-dawn, civil-dawn, \
+sunrise, solar-noon, sunset, civil-dusk, nautical-dusk, astronomical-dusk, solar-midnight, each with an offset such as -20m.\n\n\
+Examples:\n  \
+tyndall timelapse --date 2026-10-10 --from sunrise-20m --to sunset+40m --every 2m -o 'out/day_{frame:04}.exr'\n  \
+tyndall timelapse scene.toml --date 2026-01-01 --from solar-noon --to 2026-12-31 --every 1d -o 'out/noon_####.png'\n  \
+tyndall timelapse scene.toml --from 2026-06-21T18:00 --to 2026-06-21T22:00 --frames 240 --shard 2/16 -o 'out/dusk_%04d.exr'")]
+pub struct TimelapseArgs {
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    plan: PlanArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
+    /// The first frame's time, or what the sun does: sunrise-20m
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    from: String,
+    /// The last frame's time at the latest; what the sun does before --from is that of the next day
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    to: String,
+    /// The date of what the sun does, and of times of day [default: that of the other end, or of the scene]
+    #[arg(long, value_name = "YYYY-MM-DD")]
+    date: Option<String>,
+    /// The time from frame to frame: 30s, 5m, 24h; or 1d and 1w, which keep the clock's time, or the sun's event
+    #[arg(long, value_name = "STEP", value_parser = every, required_unless_present = "frames")]
+    every: Option<Every>,
+    /// So many frames, with one at each end
+    #[arg(long, value_name = "N", conflicts_with = "every")]
+    frames: Option<u64>,
+    /// The frames' files, by their ending .png, .exr or .hdr, with {frame:04}, #### or %04d for the index; may be repeated
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<String>,
+    /// The index of the first frame
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    start_number: u64,
+    /// Look after these frames alone: indices and ranges, 2,4,10-20, or missing, those of which there is no file
+    #[arg(long, value_name = "LIST|missing", value_parser = only)]
+    only: Option<Only>,
+    /// Look after one of N equal shares of the frames
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    film: FilmArgs,
+    /// Say what would be done, how long it would take and how much room, and write nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Print what was done as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Renders what is not there yet.
+pub fn run(args: &TimelapseArgs) -> Result<()> {
+    let stop = signals::asked_to_end();
+    let outputs = args.output.iter().map(|text| Template::new(text));
+    let outputs: Vec<Template> = outputs.collect::<Result<_>>()?;
+    let layers = args.picture.layers()?;
+    let mut scene = args.view.scene.load()?;
+    let when = when(args, &scene)?;
+    say_when(&when)?;
+    // The ends of the command line win over a sun of the file.
+    scene.sun = None;
+    scene.time = Some(when.text(when.get(0)?));
+    let conditions = args.view.conditions_of(scene)?;
+    let mut overrules = args.plan.overrules();
+    Plan::new(&conditions, &overrules)?;
+    let in_use = args.view.scene.files(&conditions.scene);
+    let (first, count) = (args.start_number, when.count());
+    let plan_file = plan::beside(&outputs[0]);
+    output::check_apart("the plan file", &plan_file, &in_use)?;
+    if !args.dry_run {
+        for template in &outputs {
+            let folder = template.folder();
+            std::fs::create_dir_all(&folder).map_err(|e| Error::writing(&folder, e))?;
+            output::check_apart("-o", &template.path(first), &in_use)?;
+        }
+        output::check_targets(&outputs.iter().map(|o| o.path(first)).collect::<Vec<_>>())?;
+        let partial = args.only.is_some() || args.shard.is_some();
+        args.film.check(&plan_file, &outputs, partial, &in_use)?;
+    }
+    if args.film.emits() {
+        let words: Vec<String> = std::env::args().collect();
+        return args.film.emit(&conditions.scene.name, &words, count);
+    }
+    tell::conditions(&conditions);
+    let limits = Limits {
+        stop: Some(stop),
+        ..args.memory.limits()
+    };
+    let mut backend = machine::open(args.picture.backend.wanted())?;
+    if args.plan.within.is_some() {
+        return Err(Error::input(
+            "--within",
+            "each machine would measure another time, and frames would differ",
+            "give --quality, or --max-error",
+        ));
+    }
+    if let Some(goal) = args.plan.goal() {
+        // By a frame in the middle, whichever frames this process renders.
+        let middle = conditions.at(&when.text(when.get(count / 2)?))?;
+        let chosen = choose(&mut backend, &middle, &overrules, goal, &limits)?;
+        tell::chosen(&chosen.why);
+        overrules = chosen.overrules;
+    }
+    tell::plan(&Plan::new(&conditions, &overrules)?, &backend.describe());
+    let warnings = conditions.warnings.clone();
+    let sequence = Sequence::new(Asked {
+        exposure: args.picture.ev100(&conditions.scene),
+        conditions,
+        when,
+        overrules,
+        outputs,
+        layers,
+        space: args.picture.space(),
+        first,
+        fps: None,
+        command: command(std::env::args().collect()),
+    })?;
+    let run = Run {
+        args,
+        sequence: &sequence,
+        plan_file: &plan_file,
+        limits: &limits,
+        warnings: &warnings,
+    };
+    if args.film.assembles() {
+        return run.assemble(&backend);
+    }
+    if args.dry_run {
+        return run.dry(&mut backend);
+    }
+    let reader = run.planned(&mut backend)?;
+    run.render(reader, &mut backend)
+}
+
+/// The instants, by the place and the clock of the scene and of the flags.
+fn when(args: &TimelapseArgs, scene: &Scene) -> Result<When> {
+    if args.view.scene.time.time.is_some() {
+        return Err(Error::input(
+            "--time",
+            "the times of a time-lapse are those between --from and --to",
+            "leave it out",
+        ));
+    }
+    let (Some(entry), false) = (&scene.site, args.view.scene.has_given_sun()) else {
+        return Err(Error::input(
+            &scene.name,
+            "it has no place, or a sun that stands still",
+            "give --at LAT,LON, and leave out --sun",
+        ));
+    };
+    let site = Site::new(entry.latitude_deg, entry.longitude_deg, entry.elevation)?;
+    let request: Request = args.view.scene.request();
+    let reading = Reading {
+        zone: request.timezone.as_deref().or(entry.timezone.as_deref()),
+        site: Some(&site),
+        fold: request.fold,
+        scale: request.time_scale,
+        delta_t: request.delta_t,
+    };
+    let date = match (&args.date, &scene.time) {
+        (Some(text), _) => match civil::date_alone(text)? {
+            None => {
+                return Err(Error::input(
+                    format!("--date {text}"),
+                    "it is no date",
+                    "write YYYY-MM-DD",
+                ));
+            }
+            date => date,
+        },
+        // An end that is a time has its own.
+        (None, Some(time)) if !is_time(&args.from) && !is_time(&args.to) => {
+            let moment = civil::resolve_with(time, &reading)?;
+            Some(moment.local().date_naive())
+        }
+        _ => None,
+    };
+    let count = match (args.frames, args.every) {
+        (Some(frames), _) => Count::Frames(frames),
+        (None, Some(every)) => Count::Every(every),
+        (None, None) => Count::Frames(1),
+    };
+    let asked = when::Asked {
+        from: &args.from,
+        to: &args.to,
+        date,
+        count,
+    };
+    let observer = Observer {
+        site: &site,
+        reading,
+        tier: request.tier,
+    };
+    When::new(&asked, &observer)
+}
+
+/// Whether an end is a time with its date, or a date.
+fn is_time(text: &str) -> bool {
+    text.contains('-') && text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+')
+}
+
+fn say_when(when: &When) -> Result<()> {
+    let ends = [0, when.count() - 1].map(|number| when.get(number));
+    let [from, to] = ends;
+    let (from, to) = (when.local_text(from?), when.local_text(to?));
+    let count = when.count();
+    tell::line(
+        "frames",
+        format!("{count}, from {from} to {to}, {}", when.step()),
+    );
+    Ok(())
+}
+
+/// A run of this process.
+struct Run<'a> {
+    args: &'a TimelapseArgs,
+    sequence: &'a Sequence,
+    plan_file: &'a Path,
+    limits: &'a Limits<'a>,
+    warnings: &'a [Warning],
+}
+
+/// What it takes to do some frames.
+#[derive(Default)]
+struct Work {
+    frames: Vec<u64>,
+    there: u64,
+    /// Predicted, of those frames [s].
+    seconds: f64,
+}
+
+impl Run<'_> {
+    /// The plan file, which is written if it is not there.
+    fn planned(&self, backend: &mut Backend) -> Result<Reader> {
+        if let Some(reader) = self.sequence.planned(self.plan_file, backend)? {
+            tell::line("plan", format!("{}, as it was", self.plan_file.display()));
+            return Ok(reader);
+        }
+        let planned = self.plan(backend)?;
+        let stopped = || {
+            self.limits
+                .stop
+                .is_some_and(|stop| stop.load(Ordering::Relaxed))
+        };
+        let lines = self.sequence.lines(&planned).map(|line| match stopped() {
+            true => Err(Error::Stopped),
+            false => line,
+        });
+        plan::write(self.plan_file, &planned.header, lines)?;
+        tell::line("plan", self.plan_file.display());
+        Reader::open(self.plan_file)
+    }
+
+    fn plan(&self, backend: &mut Backend) -> Result<tyndall::timelapse::Planned> {
+        let bar = tell::bar();
+        let mut told = |done: usize, of: usize| {
+            bar.set_message(format!("exposure, key frame {done} of {of}"));
+            bar.set_position((1000 * done / of.max(1)) as u64);
+        };
+        let planned = self
+            .sequence
+            .plan(backend, self.limits, &|_| {}, &mut told)?;
+        bar.finish_and_clear();
+        Ok(planned)
+    }
+
+    /// What is to be done of these lines.
+    fn work(&self, lines: impl Iterator<Item = Result<FrameLine>>) -> Result<Work> {
+        let mut work = Work::default();
+        for line in lines {
+            let line = line?;
+            let (only, shard) = (self.args.only.as_ref(), self.args.shard);
+            if !self.sequence.is_wanted(line.index, only, shard) {
+                continue;
+            }
+            match self.sequence.outputs().are_of(line.index, &line.key) {
+                true => work.there += 1,
+                false => {
+                    work.frames.push(line.index);
+                    work.seconds += line.predicted_seconds;
+                }
+            }
+        }
+        Ok(work)
+    }
+
+    fn dry(&self, backend: &mut Backend) -> Result<()> {
+        let (header, work) = match self.sequence.planned(self.plan_file, backend)? {
+            Some(reader) => (reader.header.clone(), self.work(reader)?),
+            None => {
+                let planned = self.plan(backend)?;
+                let work = self.work(self.sequence.lines(&planned))?;
+                (planned.header, work)
+            }
+        };
+        let bytes = self.sequence.bytes() * work.frames.len() as u64;
+        if self.args.json {
+            return stdout::print_json(&json!({
+                "schema": 1,
+                "plan": header,
+                "to_make": work.frames.len(),
+                "there": work.there,
+                "predicted_seconds": work.seconds,
+                "bytes_at_most": bytes,
+            }));
+        }
+        let Work { frames, there, .. } = &work;
+        let (count, seconds) = (frames.len(), duration(work.seconds));
+        stdout::print(format!(
+            "to make      {count} of {} frames; {there} are there\n\
+             exposure     {}\n\
+             time         about {seconds} on this machine\n\
+             disk         at most {:.3} GiB\n",
+            header.frames,
+            exposure(&header),
+            bytes as f64 / f64::from(1 << 30),
+        ))
+    }
+
+    fn render(&self, reader: Reader, backend: &mut Backend) -> Result<()> {
+        let start = Instant::now();
+        tell::line("exposure", exposure(&reader.header));
+        let work = self.work(reader)?;
+        self.sequence.outputs().sweep(work.frames.iter().copied());
+        tell::line(
+            "to make",
+            format!(
+                "{} frames, about {}; {} are there",
+                work.frames.len(),
+                duration(work.seconds),
+                work.there
+            ),
+        );
+        let (mut made, mut there) = (0, work.there);
+        let done = self.frames(&work, backend, &mut made, &mut there);
+        if done.is_err() {
+            tell::line(
+                "made",
+                format!("{made} frames, which are whole; the same command goes on"),
+            );
+        }
+        done?;
+        let seconds = start.elapsed().as_secs_f64();
+        tell::line("made", format!("{made} frames in {}", duration(seconds)));
+        let film = self.film()?;
+        if self.args.json {
+            stdout::print_json(&json!({
+                "schema": 1,
+                "plan": self.plan_file.to_string_lossy(),
+                "made": made,
+                "there": there,
+                "seconds": seconds,
+                "assembled": film,
+            }))?;
+        }
+        Ok(())
+    }
+
+    /// Film, sheet, curves and page, of frames that are all there.
+    fn film(&self) -> Result<serde_json::Value> {
+        let bar = tell::bar();
+        let progress = |step| tell::step(&bar, step);
+        let task = Task::new(&progress, self.limits.stop);
+        let made = self.args.film.make(self.plan_file, self.warnings, task);
+        bar.finish_and_clear();
+        made
+    }
+
+    /// The same, once they are known to be there and to be those of this command.
+    fn assemble(&self, backend: &Backend) -> Result<()> {
+        let reader = self.sequence.planned(self.plan_file, backend)?;
+        let left = match reader {
+            Some(reader) => self.work(reader)?.frames,
+            // Frames without a plan, or with another one, are of other settings.
+            None => (0..self.sequence.when().count())
+                .map(|number| self.args.start_number + number)
+                .collect(),
+        };
+        if !left.is_empty() {
+            let (count, of) = (left.len(), self.sequence.when().count());
+            let list = Only::text(left);
+            stdout::print(format!("--only {list}\n"))?;
+            return Err(Error::Unfinished {
+                problem: format!("{count} of {of} frames are missing, or of other settings"),
+                remedy: format!("make them with --only {list}, and assemble again"),
+            });
+        }
+        let made = self.film()?;
+        match self.args.json {
+            true => stdout::print_json(&json!({ "schema": 1, "assembled": made })),
+            false => Ok(()),
+        }
+    }
+
+    fn frames(
+        &self,
+        work: &Work,
+        backend: &mut Backend,
+        made: &mut u64,
+        there: &mut u64,
+    ) -> Result<()> {
+        let start = Instant::now();
+        let bar = tell::bar();
+        let (mut predicted, mut todo) = (0.0, work.frames.iter().copied().peekable());
+        let plan = self.sequence.planned(self.plan_file, backend)?;
+        let plan = plan.ok_or_else(|| {
+            Error::failed(
+                format!(
+                    "{}: another run has put its plan in the place of this one's",
+                    self.plan_file.display()
+                ),
+                "give its frames other names, or wait for its end",
+            )
+        })?;
+        for line in plan {
+            let line = line?;
+            if todo.next_if_eq(&line.index).is_none() {
+                continue;
+            }
+            // Another process may have made it in the meantime.
+            if self.sequence.outputs().are_of(line.index, &line.key) {
+                *there += 1;
+                continue;
+            }
+            let left = |predicted: f64| match predicted > 0.0 {
+                true => start.elapsed().as_secs_f64() * (work.seconds / predicted - 1.0),
+                false => work.seconds,
+            };
+            let before = predicted;
+            bar.set_message(format!(
+                "frame {}, {} of {}, {} left",
+                line.index,
+                *made + 1,
+                work.frames.len(),
+                duration(left(before))
+            ));
+            let share = |share: f64| (before + share * line.predicted_seconds) / work.seconds;
+            let progress = |step: tyndall::backend::Step| {
+                if step.stage == tyndall::backend::PICTURE {
+                    bar.set_position((1000.0 * share(step.share)) as u64);
+                }
+            };
+            let begun = Instant::now();
+            self.sequence
+                .render(&line, backend, self.limits, &progress)?;
+            *made += 1;
+            predicted += line.predicted_seconds;
+            if bar.is_hidden() {
+                tell::line(
+                    "frame",
+                    format!(
+                        "{}, {made} of {}, {:.2} s; {} left",
+                        line.index,
+                        work.frames.len(),
+                        begun.elapsed().as_secs_f64(),
+                        duration(left(predicted))
+                    ),
+                );
+            }
+        }
+        bar.finish_and_clear();
+        Ok(())
+    }
+}
+
+/// How a sequence is exposed, in words.
+fn exposure(header: &Header) -> String {
+    match &header.exposure {
+        ExposurePlan::Fixed(ev100) => format!("EV100 {ev100:.2}"),
+        ExposurePlan::Curve(frames) => {
+            let all = frames.iter().map(|frame| frame.ev100);
+            let (least, most) = (
+                all.clone().fold(f64::INFINITY, f64::min),
+                all.fold(f64::NEG_INFINITY, f64::max),
+            );
+            let count = frames.len();
+            format!("EV100 {least:.2} to {most:.2}, a curve through {count} key frames")
+        }
+    }
+}
+
+/// A time [s] as people say it.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 99.5 => format!("{s:.0} s"),
+        s if s < 5970.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// The command line that makes the frames of the whole sequence: without what chooses a part of it, how it is told, and what is made of
+/// them.
+fn command(arguments: Vec<String>) -> String {
+    const PARTS: [(&str, bool); 4] = [
+        ("--only", true),
+        ("--shard", true),
+        ("--dry-run", false),
+        ("--json", false),
+    ];
+    let words = arguments.get(1..).unwrap_or_default();
+    let words = timelapse_film::without(words, &PARTS);
+    let words = timelapse_film::without(&words, &timelapse_film::FLAGS);
+    format!("tyndall {}", cluster::shell_line(&words))
+}
+
+fn every(text: &str) -> Result<Every, String> {
+    text.parse().map_err(|e: Error| e.remedy())
+}
+
+fn only(text: &str) -> Result<Only, String> {
+    text.parse().map_err(|e: Error| e.remedy())
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    text.parse().map_err(|e: Error| e.remedy())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_of_a_whole_sequence() {
+        let of = |words: &[&str]| command(words.iter().map(|w| (*w).to_owned()).collect());
+        let words = [
+            "/usr/bin/tyndall",
+            "timelapse",
+            "my scene.toml",
+            "--shard",
+            "1/3",
+            "-o",
+            "out/{frame:04}.exr",
+            "--only=2",
+            "--dry-run",
+            "--film",
+            "a film.mp4",
+            "--fps=25",
+            "--assemble",
+            "--from",
+            "sunrise-20m",
+        ];
+        assert_eq!(
+            of(&words),
+            "tyndall timelapse 'my scene.toml' -o 'out/{frame:04}.exr' --from sunrise-20m"
+        );
+    }
+
+    #[test]
+    fn times_have_a_date() {
+        for text in ["2026-06-21T18:30", "2026-06-21", "-0500-01-01T00:00Z"] {
+            assert!(is_time(text), "{text}");
+        }
+        for text in ["18:30", "sunrise-20m", "now"] {
+            assert!(!is_time(text), "{text}");
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The frames of a time-lapse on one sheet, each with its local time.
+
+use image::imageops::thumbnail;
+use std::path::Path;
+use tyndall::output::canvas::Color;
+use tyndall::output::drawing::{Drawing, PIXELS};
+use tyndall::output::lettering::Anchor;
+use tyndall::timelapse::frames::Frames;
+use tyndall::timelapse::plan::FrameLine;
+use tyndall::{Error, Result};
+
+const INK: Color = [25, 25, 25];
+const QUIET: Color = [110, 110, 110];
+
+/// The most pictures on a sheet; of longer sequences it shows every so many.
+pub const MOST: u64 = 120;
+const COLUMNS: usize = 8;
+
+/// Units of the drawing.
+const MARGIN: f64 = 16.0;
+const WIDTH: f64 = 120.0;
+const GAP: f64 = 8.0;
+const HEAD: f64 = 46.0;
+const LABEL: f64 = 15.0;
+
+/// Draws a sheet of the frames whose PNGs are `frames`; `lines` are their lines of the plan, in order.
+///
+/// # Errors
+/// [`Error::Input`] when there is no frame, or for a PNG that cannot be read; [`Error::File`] for one that is missing.
+pub fn draw(title: &str, frames: &Frames, lines: &[FrameLine]) -> Result<Drawing> {
+    let step = (lines.len() as u64).div_ceil(MOST).max(1) as usize;
+    let shown: Vec<&FrameLine> = lines.iter().step_by(step).collect();
+    let [width, height] = frames.size()?;
+    let scale = PIXELS * WIDTH / f64::from(width);
+    let side = |length: u32| ((scale * f64::from(length)).round() as u32).max(1);
+    // Very high pictures are shown narrower.
+    let tall = (f64::from(side(height)) / (3.0 * PIXELS * WIDTH)).max(1.0);
+    let small = [side(width), side(height)].map(|n| ((f64::from(n) / tall) as u32).max(1));
+    let high = f64::from(small[1]) / PIXELS;
+    let columns = COLUMNS.min(shown.len().max(1));
+    let rows = shown.len().div_ceil(columns);
+    let row = high + LABEL + GAP;
+    // Room for the head even above a single picture.
+    let wide = (columns as f64 * (WIDTH + GAP) - GAP).max(3.0 * WIDTH);
+    let mut sheet = Drawing::new(2.0 * MARGIN + wide, HEAD + rows as f64 * row + MARGIN - GAP);
+    sheet.text([MARGIN, 18.0], 15.0, Anchor::Start, INK, title);
+    let count = match step {
+        1 => format!("{} frames", lines.len()),
+        step => format!("every {step}. of {} frames", lines.len()),
+    };
+    sheet.text([MARGIN, 35.0], 10.0, Anchor::Start, QUIET, count);
+    let clock = Clock::of(&shown);
+    for (place, line) in shown.iter().enumerate() {
+        let [column, at_row] = [place % columns, place / columns].map(|n| n as f64);
+        let (x, y) = (MARGIN + column * (WIDTH + GAP), HEAD + at_row * row);
+        let picture = read(&frames.template.path(line.index))?;
+        let narrow = 0.5 * (WIDTH - f64::from(small[0]) / PIXELS);
+        let shown = thumbnail(&picture, small[0], small[1]);
+        sheet.picture([x + narrow, y], small, shown.into_raw());
+        let middle = y + high + 0.5 * LABEL;
+        sheet.text([x, middle], 9.0, Anchor::Start, INK, clock.label(line));
+        let index = line.index.to_string();
+        sheet.text([x + WIDTH, middle], 8.0, Anchor::End, QUIET, index);
+    }
+    Ok(sheet)
+}
+
+fn read(path: &Path) -> Result<image::RgbImage> {
+    let file = std::fs::File::open(path).map_err(|e| Error::reading(path, e))?;
+    let read = image::load(std::io::BufReader::new(file), image::ImageFormat::Png);
+    let wrong = |e| {
+        Error::input(
+            path.display().to_string(),
+            format!("it is no whole PNG: {e}"),
+            "delete it and make it again with `--only missing`",
+        )
+    };
+    Ok(read.map_err(wrong)?.into_rgb8())
+}
+
+/// How much of a local time tells frames apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Clock {
+    /// One day, whole minutes.
+    Minutes,
+    /// One day.
+    Seconds,
+    /// Several days, one time of day or whole minutes.
+    Days,
+}
+
+impl Clock {
+    /// That of some frames.
+    pub fn of(lines: &[&FrameLine]) -> Self {
+        let mut days = lines.iter().map(|line| line.local.get(..10));
+        let first = days.next();
+        if days.any(|day| Some(day) != first) {
+            Clock::Days
+        } else if lines.iter().all(|l| l.local.get(16..19) == Some(":00")) {
+            Clock::Minutes
+        } else {
+            Clock::Seconds
+        }
+    }
+
+    /// A frame's local time.
+    pub fn label(self, line: &FrameLine) -> String {
+        let local = &*line.local;
+        let part = |range| local.get(range).unwrap_or(local);
+        match self {
+            Clock::Minutes => part(11..16).to_owned(),
+            Clock::Seconds => part(11..19).to_owned(),
+            Clock::Days => format!("{} {}", part(0..10), part(11..16)),
+        }
+    }
+}
