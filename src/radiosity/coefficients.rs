@@ -37,10 +37,10 @@ const NOTHING: f32 = 1e-9;
 
 /// Shadow rays of the sun to a patch that would be all that a point receives light of, for each ray by which places are looked at
 /// closely; other patches have their share of them.
-const RAYS: f64 = 10.0;
+const RAYS: f64 = 100.0;
 
-/// The fewest and the most of them, where they differ; before that it is found by a quarter of them, and this many at least, whether they do.
-const FEWEST: [usize; 2] = [4, 8];
+/// The fewest and the most of them, where they differ; before that it is found by an eighth of them, and this many at least, whether they do.
+const FEWEST: [usize; 2] = [8, 32];
 const MOST: usize = 1024;
 
 /// From this form factor of a part of a patch on [1], it counts where on the patch the sun shines.
@@ -197,7 +197,7 @@ impl Coefficients {
                 is_near |= of == patch && share.max_element() > NEAR;
             }
             Look {
-                rays: [(many / 4).max(FEWEST[0]), many],
+                rays: [(many / 8).max(FEWEST[0]), many],
                 is_near,
             }
         };
