@@ -13,7 +13,7 @@
 use super::arrival::Source;
 use super::dome::Dome;
 use super::light::{off, open_sky, open_sun};
-use super::sun::{sun_mean, sun_on};
+use super::sun::sun_on;
 use super::tiles::Tile;
 use super::transport::Transport;
 use crate::colour::luminance;
@@ -35,17 +35,6 @@ const TURNS: usize = 400;
 /// Patches that give no point more than this share of their light are left out [1].
 const NOTHING: f32 = 1e-9;
 
-/// Shadow rays of the sun to a patch that would be all that a point receives light of, for each ray by which places are looked at
-/// closely; other patches have their share of them.
-const RAYS: f64 = 10.0;
-
-/// The fewest and the most of them, where they differ; before that it is found by a quarter of them, and this many at least, whether they do.
-const FEWEST: [usize; 2] = [4, 8];
-const MOST: usize = 1024;
-
-/// From this form factor of a part of a patch on [1], it counts where on the patch the sun shines.
-const NEAR: f32 = 2e-3;
-
 /// What points receive of each source.
 pub struct Coefficients {
     points: usize,
@@ -60,19 +49,8 @@ pub struct Coefficients {
     surfaces: Vec<f32>,
     /// The same of the open ground's radiance, by channel and point [lx per cd/m2].
     open_ground: Vec<f32>,
-    /// How the sun is looked for on each of them.
-    looks: Vec<Look>,
     /// What points see of tiles: patch, tile, point, and illuminance for 1 lx more on that tile than on the whole patch [1].
     tiles: Vec<(u32, Tile, u32, Vec3)>,
-}
-
-/// How the sun is looked for on a patch.
-#[derive(Clone, Copy)]
-struct Look {
-    /// Shadow rays: first, and where they differ.
-    rays: [usize; 2],
-    /// Whether it counts where on the patch it shines.
-    is_near: bool,
 }
 
 /// What one point sees.
@@ -138,7 +116,6 @@ impl Coefficients {
             surfaces: vec![0.0; active.len() * channels * points.len()],
             open_ground: vec![0.0; channels * points.len()],
             tiles: Vec::new(),
-            looks: Vec::new(),
             patches: active,
         };
         let mut first = 0;
@@ -172,36 +149,7 @@ impl Coefficients {
         }
         all.tiles
             .sort_unstable_by_key(|(patch, tile, point, _)| (*patch, *tile, *point));
-        all.looks = all.looked_at(RAYS * transport.detail.care.rays as f64);
         Ok(all)
-    }
-
-    /// How the sun is looked for on each patch: by its share of `rays`, as the point has it that receives most of its light from there.
-    fn looked_at(&self, rays: f64) -> Vec<Look> {
-        let row = self.channels * self.points;
-        let mut sums = vec![0.0f64; row];
-        for shares in self.surfaces.chunks(row.max(1)) {
-            for (sum, share) in sums.iter_mut().zip(shares) {
-                *sum += f64::from(*share);
-            }
-        }
-        let mut tiles = self.tiles.iter().peekable();
-        let looks = self.patches.iter().zip(self.surfaces.chunks(row.max(1)));
-        let look = |(patch, shares): (&u32, &[f32])| {
-            let part = shares.iter().zip(&sums);
-            let part = part.map(|(share, sum)| f64::from(*share) / sum.max(1e-30));
-            let many = (rays * part.fold(0.0, f64::max)).ceil() as usize;
-            let many = many.clamp(FEWEST[1], MOST);
-            let mut is_near = false;
-            while let Some((of, _, _, share)) = tiles.next_if(|(p, ..)| p <= patch) {
-                is_near |= of == patch && share.max_element() > NEAR;
-            }
-            Look {
-                rays: [(many / 4).max(FEWEST[0]), many],
-                is_near,
-            }
-        };
-        looks.map(look).collect()
     }
 
     /// The patches of the sky.
@@ -248,18 +196,14 @@ impl Coefficients {
             return;
         }
         let mut sum = vec![0.0; self.points];
-        for (at, (patch, look)) in self.patches.iter().zip(&self.looks).enumerate() {
-            let number = *patch as usize;
-            let mean = sun_mean(transport, conditions, number, look.rays);
-            if mean == DVec3::ZERO {
+        for (at, patch) in self.patches.iter().enumerate() {
+            let direct = sun_on(transport, conditions, *patch as usize);
+            if direct.mean != DVec3::ZERO {
+                self.add(&self.surfaces, at, direct.mean, &mut sum);
+            }
+            if direct.tiles.is_empty() {
                 continue;
             }
-            if !look.is_near {
-                self.add(&self.surfaces, at, mean, &mut sum);
-                continue;
-            }
-            let direct = sun_on(transport, conditions, number);
-            self.add(&self.surfaces, at, direct.mean, &mut sum);
             let begin = self.tiles.partition_point(|(p, ..)| p < patch);
             let own = self.tiles[begin..].iter().take_while(|(p, ..)| p == patch);
             for (_, tile, point, share) in own {

@@ -51,25 +51,9 @@ pub(super) fn sun_on(transport: &Transport, conditions: &Conditions, patch: usiz
         }
     }
     Direct {
-        mean: by_spots(transport, conditions, patch, RAYS),
+        mean: by_spots(transport, conditions, patch),
         tiles: Vec::new(),
     }
-}
-
-/// The mean illuminance [lx, RGB] that the sun of `conditions` gives to a patch, by so many shadow rays: first, and where they differ.
-pub(super) fn sun_mean(
-    transport: &Transport,
-    conditions: &Conditions,
-    patch: usize,
-    rays: [usize; 2],
-) -> DVec3 {
-    let sun = &conditions.sun;
-    let part = transport.patches.part(patch);
-    let is_behind = part.is_some_and(|(face, _)| face.plane.normal.dot(sun.toward) <= 0.0);
-    if !sun.shines() || is_behind || !transport.exchange.sees(patch) {
-        return DVec3::ZERO;
-    }
-    by_spots(transport, conditions, patch, rays)
 }
 
 /// What of the sun's light arrives at a point that rays leave by the normal.
@@ -87,13 +71,8 @@ fn through(transport: &Transport, conditions: &Conditions, point: DVec3, normal:
     }
 }
 
-/// The mean illuminance [lx, RGB] of a patch by points all over it: first, and where they differ.
-fn by_spots(
-    transport: &Transport,
-    conditions: &Conditions,
-    patch: usize,
-    [few, many]: [usize; 2],
-) -> DVec3 {
+/// The mean illuminance [lx, RGB] of a patch by points all over it.
+fn by_spots(transport: &Transport, conditions: &Conditions, patch: usize) -> DVec3 {
     let own = &transport.patches.all[patch];
     let sun = &conditions.sun;
     let lit = |range: std::ops::Range<usize>| {
@@ -110,6 +89,7 @@ fn by_spots(
         }
         (sum, some)
     };
+    let [few, many] = RAYS;
     let (mut sum, some) = lit(0..few);
     let mut count = few;
     // Behind glass with a picture what is lit differs too.

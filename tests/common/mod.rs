@@ -19,6 +19,7 @@ pub mod scenes;
 pub mod shafts;
 pub mod soft;
 pub mod views;
+pub mod weather;
 
 use std::io::Write;
 use std::path::PathBuf;
