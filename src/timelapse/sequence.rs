@@ -76,7 +76,7 @@ impl Sequence {
     /// Takes what is asked for.
     ///
     /// # Errors
-    /// [`Error::Input`] where a sun stands in for place and time, where no output is named, one twice, or one that is no picture.
+    /// [`Error::Input`] where a sun stands in for place and time; those of [`Outputs::new`].
     pub fn new(asked: Asked) -> Result<Self> {
         let site = asked.conditions.instant.clone().ok_or_else(|| {
             Error::input(
@@ -85,25 +85,6 @@ impl Sequence {
                 "give --at LAT,LON, and leave out --sun",
             )
         })?;
-        if asked.outputs.is_empty() {
-            return Err(Error::input(
-                "-o",
-                "no frame would be written",
-                "give -o 'out/frame_{frame:04}.exr'",
-            ));
-        }
-        for (number, template) in asked.outputs.iter().enumerate() {
-            if asked.outputs[..number]
-                .iter()
-                .any(|o| o.path(0) == template.path(0))
-            {
-                return Err(Error::input(
-                    format!("-o {}", template.text()),
-                    "the frames are named twice",
-                    "name them once",
-                ));
-            }
-        }
         if asked.first.checked_add(asked.when.count()).is_none() {
             return Err(Error::domain(
                 "the first index",
