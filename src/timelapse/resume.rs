@@ -60,8 +60,9 @@ impl Outputs {
 
     /// Whether all files of a frame are there, whole (of HDR it is taken for granted), and of this key.
     pub fn are_of(&self, index: u64, key: &str) -> bool {
-        self.of(index)
-            .all(|(path, format)| output::key_of(&path, format).is_some_and(|found| found == key))
+        self.of(index).all(|(path, format)| {
+            output::picture::key_of(&path, format).is_some_and(|found| found == key)
+        })
     }
 
     /// Deletes what a process that was killed while it wrote one of these frames has left beside it. Nobody else may be writing

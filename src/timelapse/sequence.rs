@@ -355,7 +355,7 @@ impl Sequence {
     /// Renders a frame and writes its files, which hold its key.
     ///
     /// # Errors
-    /// Those of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::write_picture`].
+    /// Those of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::picture::write`].
     pub fn render(
         &self,
         line: &FrameLine,
@@ -379,7 +379,7 @@ impl Sequence {
         record.set("exposure_ev100", line.ev100);
         record.set("key", line.key.clone());
         for (path, format) in self.outputs.of(line.index) {
-            output::write_picture(&path, format, &rendered.frame, space, layers, line.ev100)?;
+            output::picture::write(&path, format, &rendered.frame, space, layers, line.ev100)?;
         }
         Ok(rendered)
     }

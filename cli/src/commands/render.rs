@@ -102,7 +102,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     record.set("exposure_ev100", ev100);
     let space = args.picture.space();
     for (path, format) in files.iter().zip(&formats) {
-        output::write_picture(path, *format, &rendered.frame, &space, &layers, ev100)?;
+        output::picture::write(path, *format, &rendered.frame, &space, &layers, ev100)?;
     }
     stages.extend(work::stages(&backend, &rendered));
     if convergence.is_some() {
