@@ -1,15 +1,17 @@
 //! A time-lapse by the library: its instants, its keys, the same frames in any order, and an exposure that does not flicker.
 
 use chrono::{DateTime, NaiveDate, Utc};
+use glam::{DVec3, UVec2};
 use std::path::Path;
+use tyndall::backend::reference::Reference;
 use tyndall::backend::{Backend, Limits, Wanted};
 use tyndall::colour::exposure::white_luminance;
 use tyndall::colour::luminance;
 use tyndall::conditions::{Conditions, Request};
 use tyndall::ephemeris::civil::{Fold, Reading};
 use tyndall::ephemeris::{Site, Tier};
-use tyndall::frame::Frame;
-use tyndall::plan::{Overrules, Quality};
+use tyndall::frame::{Field, Frame};
+use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{Camera, Scene, SiteEntry};
 use tyndall::timelapse::plan::{ExposurePlan, FrameLine};
 use tyndall::timelapse::template::Template;
@@ -297,8 +299,8 @@ scattering = 0.01
 "#;
     std::fs::write(folder.join("room.toml"), text).expect("the scene is written");
     let mut scene = tyndall::scene::load(&folder.join("room.toml")).expect("it is a scene");
-    let target = glam::DVec3::new(1.6, 0.8, -2.0);
-    let eye = glam::DVec3::new(-1.5, 1.6, 2.5);
+    let target = DVec3::new(1.6, 0.8, -2.0);
+    let eye = DVec3::new(-1.5, 1.6, 2.5);
     scene.camera = Some(Camera::look_at(eye, target, 1.0));
     scene
 }
@@ -481,8 +483,8 @@ fn a_sunset_and_a_room_at_dusk_do_not_flicker() {
     let mut outdoors = room(folder.path());
     // Under the open sky, with the sun behind.
     outdoors.media.clear();
-    let eye = glam::DVec3::new(3.0, 1.7, 8.0);
-    outdoors.camera = Some(Camera::look_at(eye, glam::DVec3::new(8.0, 1.5, 0.0), 1.0));
+    let eye = DVec3::new(3.0, 1.7, 8.0);
+    outdoors.camera = Some(Camera::look_at(eye, DVec3::new(8.0, 1.5, 0.0), 1.0));
     for (name, scene) in [("outdoors", outdoors), ("room", room(folder.path()))] {
         let ends = ["sunset-5m", "sunset+5m"];
         let when = when(PARIS, ends, Some("2026-06-21"), "40 frames", None).expect("two ends");
@@ -571,4 +573,27 @@ fn a_sun_that_stands_still_is_refused() {
         conditions.at("2026-06-21T12:00Z"),
         Err(Error::Input { .. })
     ));
+}
+
+/// A frame of a day in the nave: what is left of the sun's disc at one place is so little that rounding made it less than nothing, and no
+/// frame with that can be written.
+#[test]
+fn a_sliver_of_the_sun_gives_no_less_than_nothing() {
+    let mut scene = Scene::builtin("nave").expect("it is built in");
+    scene.time = Some("2026-10-22T07:46:57.391Z[Europe/Paris]".into());
+    let request = Request {
+        size: Some([320, 200]),
+        ..Request::default()
+    };
+    let conditions = Conditions::new(scene, &request).expect("they are physics");
+    let overrules = Overrules {
+        without: ["radiosity", "air_sky", "shafts"].map(String::from).into(),
+        ..Overrules::default()
+    };
+    let plan = Plan::new(&conditions, &overrules).expect("a plan");
+    let reference = Reference::new(&plan).expect("it is prepared");
+    let values = reference.sampled(&[UVec2::new(152, 112)], 8);
+    let sun = values[0][Field::Sun as usize];
+    assert!(sun.cmpge(DVec3::ZERO).all(), "{sun}");
+    assert!(sun.max_element() > 0.0, "it is a place with a sliver");
 }

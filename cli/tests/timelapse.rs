@@ -376,7 +376,6 @@ fn what_cannot_be_is_refused_before_anything_is_made() {
         (&["-o", "out/same.exr"], "%04d"),
         (&["-o", "out/f_%04d.exr"], "named twice"),
         (&["--without", "shado"], "did you mean"),
-        (&["-o", "slats.toml/f_#.png"], "slats.toml"),
     ] {
         refused(&words("2", "out/f_####.exr", more), expected);
     }

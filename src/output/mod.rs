@@ -3,6 +3,7 @@
 //! - [`exr`]: everything, in numbers
 //! - [`png`]: the picture as a screen shows it
 //! - [`hdr`]: the picture for programs that read Radiance's format
+//! - [`picture`]: one of these by its name, and the key that it holds
 //! - [`report`]: the record and the plan, for scripts
 //! - [`drawing`], [`canvas`], [`lettering`]: lines and words, as SVG and as pixels
 //! - [`scale`], [`isolines`], [`false_colour`]: values as colours, lines of equal value, luminance as a picture of both
@@ -16,13 +17,14 @@ pub mod false_colour;
 pub mod hdr;
 pub mod isolines;
 pub mod lettering;
+pub mod picture;
 pub mod png;
 pub mod report;
 pub mod scale;
 
 use crate::colour::luminance;
 use crate::error::{Error, Result};
-use crate::frame::{Field, Frame, Value};
+use crate::frame::Field;
 use glam::{DMat3, DVec2, DVec3};
 use std::path::{Path, PathBuf};
 
@@ -77,46 +79,6 @@ pub fn check_targets(paths: &[PathBuf]) -> Result<Vec<Format>> {
         atomic::check(path)?;
     }
     Ok(formats)
-}
-
-/// The name under which a picture's file holds the key of its record, where it has one: a hash of everything that the picture was made of.
-const KEY: &str = "tyndall:key";
-
-/// Writes a picture in one of the formats: EXR and HDR in `space`, an EXR with `layers` (see [`select_layers`]), a PNG with the exposure
-/// `ev100`.
-///
-/// # Errors
-/// Those of [`exr::write`], [`hdr::write`] and [`png::write`].
-pub fn write_picture(
-    path: &Path,
-    format: Format,
-    frame: &Frame,
-    space: &OutputSpace,
-    layers: &[&'static str],
-    ev100: f64,
-) -> Result<()> {
-    match format {
-        Format::Exr => exr::write(path, frame, space, layers),
-        Format::Hdr => hdr::write(path, frame, space),
-        Format::Png => {
-            let bytes = png::encode(frame, ev100);
-            let words: &[(&str, &str)] = match frame.record.get("key") {
-                Some(Value::Text(key)) => &[(KEY, key)],
-                _ => &[],
-            };
-            png::write_with(path, frame.width, frame.height, &bytes, words)
-        }
-    }
-}
-
-/// The key that the file of a picture holds; nothing where there is no file, or one without a key, or (EXR and PNG) one that is cut off.
-pub fn key_of(path: &Path, format: Format) -> Option<String> {
-    let read = match format {
-        Format::Exr => exr::words(path, KEY),
-        Format::Hdr => hdr::key(path),
-        Format::Png => png::words(path, KEY),
-    };
-    read.ok().flatten()
 }
 
 /// Refuses to write over what is read, or over what else is written: `path` is given by `flag`, `others` are in use already.

@@ -517,7 +517,9 @@ impl Geometry {
             }
         }
         let sheets = panes.map(|panes| (panes, &sheets[..]));
-        disc.left(self, outlines, sheets, facing, chords)
+        let left = disc.left(self, outlines, sheets, facing, chords);
+        // Of a sliver rounding may leave less than nothing.
+        DVec3::select(left.cmplt(DVec3::ZERO), DVec3::ZERO, left)
     }
 
     /// Calls `found` for the triangles (by slot) whose boxes meet a cone of a place relative to the local origin; it returns whether to

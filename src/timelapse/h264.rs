@@ -15,7 +15,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Of 0 to 51; steps of the coefficients are three codes wide. Half of what is left of error then is that of 4:2:0.
+/// Of 0 to 51; steps of the coefficients are three codes wide. Most of the error that is left is that of 4:2:0.
 const QUANTISER: u8 = 13;
 
 /// The most squares of 16 pixels a frame, that of H.264's level 5.2: beyond it no browser plays.

@@ -11,7 +11,7 @@
 //! | [`resume`] | which of them are there already |
 //! | [`sequence`] | all of it: planning and rendering |
 //! | [`frames`] | finished frames in their order, and how fast they are shown |
-//! | [`film`] | they as a film; `h264` and `mp4` are what encodes it without ffmpeg |
+//! | [`film`] | a film of them; `h264` and `mp4` encode it where there is no ffmpeg |
 //! | [`cluster`] | jobs for Slurm and Kubernetes that make the frames in shards |
 
 pub mod cluster;

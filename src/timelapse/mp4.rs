@@ -39,7 +39,7 @@ fn words(numbers: &[u32]) -> Vec<u8> {
 /// Rotations that are none, 16.16 and 2.30.
 const UPRIGHT: [u32; 9] = [0x1_0000, 0, 0, 0, 0x1_0000, 0, 0, 0, 0x4000_0000];
 
-/// Millimetres of nothing in particular: the film's clock [1/s].
+/// Ticks of the clock that says how long the film is [1/s].
 const CLOCK: u32 = 1000;
 
 impl Index<'_> {

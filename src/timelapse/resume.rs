@@ -4,7 +4,7 @@
 //! in it, or not there. Whatever is done between two frames may be killed.
 
 use super::template::Template;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::output::{self, Format};
 use std::collections::HashSet;
 use std::ffi::OsString;
@@ -18,8 +18,25 @@ impl Outputs {
     /// Those of these names.
     ///
     /// # Errors
-    /// Those of [`Format::of`].
+    /// [`Error::Input`] where there is none, or one stands twice; those of [`Format::of`].
     pub fn new(templates: Vec<Template>) -> Result<Self> {
+        if templates.is_empty() {
+            return Err(Error::input(
+                "-o",
+                "no frame would be written",
+                "give -o 'out/frame_{frame:04}.exr'",
+            ));
+        }
+        for (number, template) in templates.iter().enumerate() {
+            let mut before = templates[..number].iter();
+            if before.any(|other| other.path(0) == template.path(0)) {
+                return Err(Error::input(
+                    format!("-o {}", template.text()),
+                    "the frames are named twice",
+                    "name them once",
+                ));
+            }
+        }
         let with_format = |template: Template| Ok((template.clone(), template.format()?));
         let all: Result<_> = templates.into_iter().map(with_format).collect();
         Ok(Outputs(all?))
@@ -43,8 +60,9 @@ impl Outputs {
 
     /// Whether all files of a frame are there, whole (of HDR it is taken for granted), and of this key.
     pub fn are_of(&self, index: u64, key: &str) -> bool {
-        self.of(index)
-            .all(|(path, format)| output::key_of(&path, format).is_some_and(|found| found == key))
+        self.of(index).all(|(path, format)| {
+            output::picture::key_of(&path, format).is_some_and(|found| found == key)
+        })
     }
 
     /// Deletes what a process that was killed while it wrote one of these frames has left beside it. Nobody else may be writing

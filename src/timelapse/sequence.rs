@@ -76,7 +76,7 @@ impl Sequence {
     /// Takes what is asked for.
     ///
     /// # Errors
-    /// [`Error::Input`] where a sun stands in for place and time, where no output is named, one twice, or one that is no picture.
+    /// [`Error::Input`] where a sun stands in for place and time; those of [`Outputs::new`].
     pub fn new(asked: Asked) -> Result<Self> {
         let site = asked.conditions.instant.clone().ok_or_else(|| {
             Error::input(
@@ -85,25 +85,6 @@ impl Sequence {
                 "give --at LAT,LON, and leave out --sun",
             )
         })?;
-        if asked.outputs.is_empty() {
-            return Err(Error::input(
-                "-o",
-                "no frame would be written",
-                "give -o 'out/frame_{frame:04}.exr'",
-            ));
-        }
-        for (number, template) in asked.outputs.iter().enumerate() {
-            if asked.outputs[..number]
-                .iter()
-                .any(|o| o.path(0) == template.path(0))
-            {
-                return Err(Error::input(
-                    format!("-o {}", template.text()),
-                    "the frames are named twice",
-                    "name them once",
-                ));
-            }
-        }
         if asked.first.checked_add(asked.when.count()).is_none() {
             return Err(Error::domain(
                 "the first index",
@@ -374,7 +355,7 @@ impl Sequence {
     /// Renders a frame and writes its files, which hold its key.
     ///
     /// # Errors
-    /// Those of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::write_picture`].
+    /// Those of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::picture::write`].
     pub fn render(
         &self,
         line: &FrameLine,
@@ -398,7 +379,7 @@ impl Sequence {
         record.set("exposure_ev100", line.ev100);
         record.set("key", line.key.clone());
         for (path, format) in self.outputs.of(line.index) {
-            output::write_picture(&path, format, &rendered.frame, space, layers, line.ev100)?;
+            output::picture::write(&path, format, &rendered.frame, space, layers, line.ev100)?;
         }
         Ok(rendered)
     }

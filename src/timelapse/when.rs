@@ -582,12 +582,13 @@ fn read(flag: &str, text: &str, observer: &Observer<'_>) -> Result<End> {
 fn event(flag: &str, text: &str) -> Result<OfDay> {
     let problem =
         |what: String, remedy: String| Error::input(format!("{flag} {text}"), what, remedy);
-    let digit = text.find(|c: char| c.is_ascii_digit());
-    let (name, offset) = match digit.or(text.find('+')) {
-        Some(at) if digit == Some(at) && at > 0 => text.split_at(at - 1),
-        Some(at) => text.split_at(at),
-        None => (text, ""),
+    // Names have hyphens too, with a letter behind.
+    let is_sign = |(at, c): &(usize, char)| {
+        let after = text[at + c.len_utf8()..].trim_start();
+        "+-".contains(*c) && !after.starts_with(|c: char| c.is_ascii_alphabetic())
     };
+    let sign = text.char_indices().find(is_sign);
+    let (name, offset) = text.split_at(sign.map_or(text.len(), |(at, _)| at));
     let names = || Event::ALL.iter().map(|event| event.name());
     let name = name.trim().to_ascii_lowercase();
     let Some(event) = Event::ALL.into_iter().find(|event| event.name() == name) else {

@@ -114,7 +114,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
                 let [width, height] = [shown.width(), shown.height()].map(|side| side as u32);
                 output::png::write(path, width, height, &shown.bytes())?;
             }
-            _ => output::write_picture(path, *format, &rendered.frame, &space, &layers, ev100)?,
+            _ => output::picture::write(path, *format, &rendered.frame, &space, &layers, ev100)?,
         }
     }
     stages.extend(work::stages(&backend, &rendered));

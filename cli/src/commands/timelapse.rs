@@ -26,6 +26,7 @@ use tyndall::scene::Scene;
 use tyndall::task::Task;
 use tyndall::timelapse::cluster;
 use tyndall::timelapse::plan::{self, ExposurePlan, FrameLine, Header, Reader};
+use tyndall::timelapse::resume::Outputs;
 use tyndall::timelapse::select::{Only, Shard};
 use tyndall::timelapse::template::Template;
 use tyndall::timelapse::when::{self, Count, Every, Observer, When};
@@ -92,7 +93,15 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let stop = signals::asked_to_end();
     let outputs = args.output.iter().map(|text| Template::new(text));
     let outputs: Vec<Template> = outputs.collect::<Result<_>>()?;
+    Outputs::new(outputs.clone())?;
     let layers = args.picture.layers()?;
+    if args.plan.within.is_some() {
+        return Err(Error::input(
+            "--within",
+            "each machine would measure another time, and frames would differ",
+            "give --quality, or --max-error",
+        ));
+    }
     let mut scene = args.view.scene.load()?;
     let when = when(args, &scene)?;
     say_when(&when)?;
@@ -126,13 +135,6 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
         ..args.memory.limits()
     };
     let mut backend = machine::open(args.picture.backend.wanted())?;
-    if args.plan.within.is_some() {
-        return Err(Error::input(
-            "--within",
-            "each machine would measure another time, and frames would differ",
-            "give --quality, or --max-error",
-        ));
-    }
     if let Some(goal) = args.plan.goal() {
         // By a frame in the middle, whichever frames this process renders.
         let middle = conditions.at(&when.text(when.get(count / 2)?))?;

@@ -33,7 +33,6 @@ impl Slurm {
         if !present() {
             apt::install(&["slurm-wlm", "munge"])?;
         }
-        // A socket's name is short.
         let folder = std::path::absolute(target.join("slurm"))
             .map_err(|e| format!("no folder for Slurm: {e}"))?;
         let slurm = Slurm { folder };
