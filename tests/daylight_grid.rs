@@ -667,7 +667,7 @@ fn maps_can_be_read_back() {
         "a &lt;room>",
         "sky: none",
         ">N</text>",
-        "2 m",
+        "1 m",
         "illuminance",
         "1000",
         "Room: plane 0.85 m",
