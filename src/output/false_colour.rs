@@ -57,30 +57,31 @@ pub fn picture(frame: &Frame, scale: &Scale) -> Canvas {
             if length < SHORTEST * height as f64 {
                 continue;
             }
-            canvas.stroke(&[line.clone()], 0.14 * size, PAPER);
-            canvas.stroke(&[line.clone()], 0.07 * size, INK);
+            let stroke = std::slice::from_ref(&line);
+            canvas.stroke(stroke, 0.14 * size, PAPER);
+            canvas.stroke(stroke, 0.07 * size, INK);
             let text = short(level);
             let half = 0.5 * text_width(&text, size);
-            let has_room = |at: &&[f64; 2]| {
+            let has_room = |at: &[f64; 2]| {
                 at[0] > half
                     && at[0] + half < width as f64
                     && at[1] > size
                     && at[1] + size < height as f64
-                    && labels.iter().all(|other| apart(**at, *other) > 4.0 * size)
+                    && labels.iter().all(|other| apart(*at, *other) > 4.0 * size)
             };
             let middle = line.len() / 2;
-            let spots = [middle, middle / 2, middle + middle / 2].map(|i| &line[i]);
-            if let Some(at) = spots.iter().copied().find(|at| has_room(&at)) {
+            let spots = [middle, middle / 2, middle + middle / 2].map(|i| line[i]);
+            if let Some(at) = spots.into_iter().find(|at| has_room(at)) {
                 draw_text(
                     &mut canvas,
-                    *at,
+                    at,
                     &text,
                     size,
                     Anchor::Middle,
                     INK,
                     Some(PAPER),
                 );
-                labels.push(*at);
+                labels.push(at);
             }
         }
     }

@@ -270,10 +270,8 @@ mod tests {
             (0.5, [33, 145, 140]),
             (1.0, [253, 231, 37]),
         ] {
-            let off = viridis(place)
-                .iter()
-                .zip(known)
-                .map(|(a, b)| i32::from(*a) - b);
+            let colour = viridis(place);
+            let off = colour.iter().zip(known).map(|(a, b)| i32::from(*a) - b);
             assert!(off.map(i32::abs).max() <= Some(6), "{place}");
         }
     }

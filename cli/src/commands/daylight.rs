@@ -52,10 +52,16 @@ pub struct DaylightArgs {
     #[command(flatten)]
     grid: GridArgs,
     /// Daylight factors under an overcast sky, cie:16 unless --sky says cie:1; place and time do not count
-    #[arg(long, requires = "grid")]
+    #[arg(long, requires = "grid", conflicts_with = "points")]
     factor: bool,
     /// With --grid: a file to write, by its ending .png or .svg (a map), .csv, .json, or of a year .html; may be repeated
-    #[arg(short, long, value_name = "FILE", requires = "grid")]
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        requires = "grid",
+        conflicts_with = "points"
+    )]
     output: Vec<PathBuf>,
     /// The range of the map's colours, in lx or % [default: found from the values]
     #[arg(long, value_name = "LOW..HIGH", requires = "output", value_parser = scale)]

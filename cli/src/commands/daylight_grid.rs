@@ -269,8 +269,8 @@ fn csv(grid: &Grid, values: &Values) -> Vec<u8> {
         rows.text(&grid.sensors.planes[sensor.plane].name);
         let (position, normal) = (sensor.receiver.position, sensor.receiver.normal);
         for value in position.to_array().into_iter().chain(normal.to_array()) {
-            // Nothing is known to a nanometre.
-            rows.number((1e9 * value).round() / 1e9);
+            // Nothing is known to a nanometre, and 0 has no sign.
+            rows.number((1e9 * value).round() / 1e9 + 0.0);
         }
         rows.number(sensor.area);
         lux.iter().for_each(|value| rows.number(*value));
