@@ -131,7 +131,7 @@ fn sound_files_in_other_forms_are_read() {
     // With a byte order mark, in Latin-1, with the minute 60, a year that ends with empty lines.
     let text = lines.join("\n").replace(",0,?9", ",60,?9") + "\n\n\n";
     let marked = read(&format!("\u{feff}{text}")).expect("a mark is no text");
-    assert_eq!(marked.rows, file.rows.iter().copied().collect::<Vec<_>>());
+    assert_eq!(marked.rows, file.rows.to_vec());
     let latin: Vec<u8> = (text.replace("free to use", "f\u{fc}r alle").chars())
         .map(|c| c as u8)
         .collect();
@@ -708,7 +708,7 @@ fn a_street_has_the_sun_that_the_hour_angle_gives() {
         let noon = Instant::from_julian(noon, TimeScale::Utc, None).expect("a time");
         let sun = sun_position(Tier::Spa, &noon, &site, &Weather::standard(&site));
         for (distance, height) in [(20.0, 5.0), (14.0, 6.0), (10.0, 8.0)] {
-            let cornice = ((height - 0.01) / distance as f64).atan();
+            let cornice = ((height - 0.01) / distance).atan();
             let cosine = (-sun.declination).tan() * (latitude * DEG + cornice).tan();
             let is_above = latitude * DEG + cornice < 90.0 * DEG;
             let by_hand = match is_above && cosine < 1.0 {

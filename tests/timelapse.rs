@@ -345,6 +345,7 @@ fn asked(
             from_working: rec709.from_working(),
             primaries: [c.red, c.green, c.blue].map(Into::into),
             white: c.white.into(),
+            numbers: output::Numbers::default(),
         },
         exposure: None,
         first: 1,

@@ -129,6 +129,12 @@ pub struct Metrics {
     pub median_diffuse: f64,
 }
 
+/// A number of a point.
+type Of = fn(&ByPoint) -> f64;
+
+/// The share of a plane's area whose points are such [1].
+type Part<'a> = dyn Fn(&dyn Fn(&ByPoint) -> bool) -> f64 + 'a;
+
 impl Metrics {
     /// Those of a table. `factors`: the daylight factor of each point [1].
     pub fn new(table: &Table, factors: &[f64]) -> Self {
@@ -190,7 +196,8 @@ impl Metrics {
         let whole: f64 = points.iter().map(|p| areas[*p]).sum();
         let part = |is: &dyn Fn(&ByPoint) -> bool| -> f64 {
             let some = points.iter().filter(|p| is(&self.points[**p]));
-            some.map(|p| areas[*p]).sum::<f64>() / whole
+            // The sum of nothing is -0.
+            (0.0 + some.map(|p| areas[*p]).sum::<f64>()) / whole
         };
         let mean = |of: &dyn Fn(&ByPoint) -> f64| -> f64 {
             let sum = points.iter().map(|p| areas[*p] * of(&self.points[*p]));
@@ -239,7 +246,7 @@ impl Metrics {
                 LM_83,
             )
         });
-        let useful: [(&str, &str, fn(&ByPoint) -> f64); 4] = [
+        let useful: [(&str, &str, Of); 4] = [
             ("udi_below_100", "UDI below 100 lx", |p| p.udi_below_100_pct),
             ("udi_100_300", "UDI 100 to 300 lx", |p| p.udi_100_300_pct),
             ("udi_300_3000", "UDI 300 to 3000 lx", |p| p.udi_300_3000_pct),
@@ -271,7 +278,7 @@ impl Metrics {
         all
     }
 
-    fn by_year(&self, all: &mut Vec<Figure>, part: &dyn Fn(&dyn Fn(&ByPoint) -> bool) -> f64) {
+    fn by_year(&self, all: &mut Vec<Figure>, part: &Part<'_>) {
         let method = |e: f64, share: f64| {
             format!(
                 "share of the plane with at least {e} lx in half of the {} daylight hours; asked on {:.0} %",
@@ -301,12 +308,7 @@ impl Metrics {
         }
     }
 
-    fn by_factor(
-        &self,
-        all: &mut Vec<Figure>,
-        part: &dyn Fn(&dyn Fn(&ByPoint) -> bool) -> f64,
-        mean: f64,
-    ) {
+    fn by_factor(&self, all: &mut Vec<Figure>, part: &Part<'_>, mean: f64) {
         all.push(figure(
             "factor_mean",
             "Mean daylight factor",

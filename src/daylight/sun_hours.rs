@@ -68,8 +68,11 @@ pub struct SunHours {
     /// Hours of sun of each sensor [h].
     pub hours: Vec<f64>,
     /// The middle of the first and the last step with sun of each sensor.
-    pub first_last: Vec<Option<[DateTime<FixedOffset>; 2]>>,
+    pub first_last: Vec<Option<Ends>>,
 }
+
+/// The first and the last step with sun, by the local clock.
+pub type Ends = [DateTime<FixedOffset>; 2];
 
 impl SunHours {
     /// Those of sensors in a scene at a place.
@@ -88,7 +91,7 @@ impl SunHours {
         let steps = steps(conditions, site, zone, span)?;
         let step_h = f64::from(span.step_s) / 3600.0;
         let pieces = task.stage("hours of sun").pieces(sensors.len());
-        let found: Result<Vec<(usize, Option<[DateTime<FixedOffset>; 2]>)>> = sensors
+        let found: Result<Vec<(usize, Option<Ends>)>> = sensors
             .par_iter()
             .map(|sensor| {
                 pieces.begin()?;

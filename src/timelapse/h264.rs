@@ -316,9 +316,9 @@ mod tests {
         }
         assert!(!old.read_bit().unwrap() && new.read_bit().unwrap());
         assert_eq!(new.read_bits(2).unwrap(), 0);
-        assert_eq!(new.read_bits(6).unwrap(), 0b1_101_0_1);
+        assert_eq!(new.read_bits(6).unwrap(), 0b11_0101);
         assert_eq!(new.read_bits(24).unwrap(), 0x01_01_01);
-        assert_eq!(new.read_bits(7).unwrap(), 0b0_0000_1_1);
+        assert_eq!(new.read_bits(7).unwrap(), 0b000_0011);
         let bounds: Vec<_> = (0..6).map(|_| new.read_ue().unwrap()).collect();
         assert_eq!(bounds, [0, 0, 15, 15, 0, 1]);
         assert!(new.read_bit().unwrap());
