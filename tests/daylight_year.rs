@@ -708,7 +708,7 @@ fn a_street_has_the_sun_that_the_hour_angle_gives() {
         let noon = Instant::from_julian(noon, TimeScale::Utc, None).expect("a time");
         let sun = sun_position(Tier::Spa, &noon, &site, &Weather::standard(&site));
         for (distance, height) in [(20.0, 5.0), (14.0, 6.0), (10.0, 8.0)] {
-            let cornice = ((height - 0.01) / distance).atan();
+            let cornice = f64::atan((height - 0.01) / distance);
             let cosine = (-sun.declination).tan() * (latitude * DEG + cornice).tan();
             let is_above = latitude * DEG + cornice < 90.0 * DEG;
             let by_hand = match is_above && cosine < 1.0 {
