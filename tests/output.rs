@@ -12,7 +12,7 @@ use tyndall::colour::display;
 use tyndall::frame::{Field, Frame, Layer, NO_HIT};
 use tyndall::output::{
     HALF_MOST, Numbers, OutputSpace, Units, atomic, check_targets, exr, hdr, png, report,
-    select_layers,
+    select_layers, space,
 };
 
 /// Linear Rec. 709, by the matrix of ITU-R BT.2087 inverted: dark Rec. 2020 greens become negative in it.
@@ -439,7 +439,7 @@ fn the_hdr_is_within_its_steps() {
         for (i, pixel) in decoded.pixels().enumerate() {
             let expected = (rec709().from_working * frame.picture(i)).max(DVec3::ZERO);
             for c in 0..3 {
-                let found = f64::from(pixel.0[c]) * hdr::WHITE_EFFICACY;
+                let found = f64::from(pixel.0[c]) * space::WHITE_EFFICACY;
                 // A mantissa of at least 128 of the largest component, rounded down, or read at its middle.
                 let step = expected.max_element() / 127.0;
                 assert!(

@@ -7,11 +7,11 @@ pub const TRY_AGAIN: u8 = tyndall::timelapse::cluster::AGAIN;
 
 #[cfg(unix)]
 mod caught {
-    use super::TRY_AGAIN;
     use signal_hook::consts::{SIGINT, SIGTERM};
     use signal_hook::flag;
     use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
     use std::sync::{Arc, LazyLock};
+    use tyndall::timelapse::cluster::AGAIN;
 
     /// 128 and the number of SIGINT, as shells have it.
     const INTERRUPTED: u8 = 130;
@@ -26,7 +26,7 @@ mod caught {
             asked: Arc::default(),
             signal: Arc::default(),
         };
-        for (signal, code) in [(SIGINT, INTERRUPTED), (SIGTERM, TRY_AGAIN)] {
+        for (signal, code) in [(SIGINT, INTERRUPTED), (SIGTERM, AGAIN)] {
             let Caught {
                 asked,
                 signal: which,
@@ -47,7 +47,7 @@ mod caught {
     pub fn exit_status() -> Option<u8> {
         match CAUGHT.signal.load(Ordering::Relaxed) as i32 {
             SIGINT => Some(INTERRUPTED),
-            SIGTERM => Some(TRY_AGAIN),
+            SIGTERM => Some(AGAIN),
             _ => None,
         }
     }

@@ -12,9 +12,6 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-/// What Radiance calls WHTEFFICACY [lm/W].
-pub const WHITE_EFFICACY: f64 = 179.0;
-
 /// Writes the picture in `space`; what lies outside its gamut is cut off at zero, which is all that the format holds.
 ///
 /// # Errors

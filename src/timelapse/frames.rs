@@ -152,7 +152,7 @@ fn broken(path: &Path, error: &dyn fmt::Display) -> Error {
 }
 
 /// The pixels of a frame, three bytes each from the top left.
-pub(super) fn pixels(path: &Path, size: [u32; 2]) -> Result<Vec<u8>> {
+pub(super) fn read_pixels(path: &Path, size: [u32; 2]) -> Result<Vec<u8>> {
     let file = File::open(path).map_err(|e| Error::reading(path, e))?;
     let file = BufReader::new(file);
     let read = image::load(file, image::ImageFormat::Png).map_err(|e| broken(path, &e))?;
@@ -212,7 +212,10 @@ mod tests {
             write(index, 5, 3).unwrap();
         }
         assert_eq!(frames.size().unwrap(), [5, 3]);
-        assert_eq!(pixels(&frames.template.path(2), [5, 3]).unwrap(), [7; 45]);
+        assert_eq!(
+            read_pixels(&frames.template.path(2), [5, 3]).unwrap(),
+            [7; 45]
+        );
         write(3, 4, 3).unwrap();
         assert!(frames.size().unwrap_err().problem().contains("it is 4 x 3"));
         std::fs::write(frames.template.path(3), "no picture").unwrap();

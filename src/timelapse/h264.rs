@@ -52,7 +52,7 @@ pub fn write(path: &Path, frames: &Frames, size: [u32; 2], rate: Rate, task: Tas
         .div_ceil(u64::from(encoder.config().gop_size));
     let mut coded = |frame: PathBuf| {
         task.check()?;
-        let yuv = converted(&frames::pixels(&frame, size)?, size);
+        let yuv = converted(&frames::read_pixels(&frame, size)?, size);
         encoder.try_encode(&yuv).map_err(|e| failed(&e))
     };
     atomic::write_by_name(path, |aside| {

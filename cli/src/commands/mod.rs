@@ -18,5 +18,6 @@ pub mod sky;
 pub mod study;
 pub mod sun;
 pub mod sun_events;
+pub mod sun_place;
 pub mod timelapse;
 pub mod timelapse_film;

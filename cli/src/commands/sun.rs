@@ -8,13 +8,12 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use tyndall::ephemeris::civil::{self, Moment, Zone};
-use tyndall::ephemeris::{
-    Almanac, DayEvents, Instant, Site, SunPosition, Tier, TimeScale, Weather,
-};
+use tyndall::ephemeris::{Almanac, Instant, Site, SunPosition, Tier, TimeScale};
 use tyndall::units::DEG;
 use tyndall::{Error, Result};
 
 use super::sun_events;
+use super::sun_place::Place;
 use crate::arguments::form::FormArgs;
 use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
 use crate::plots::sun_path;
@@ -60,7 +59,7 @@ pub struct SunArgs {
     step: Option<TimeDelta>,
     /// The true elevation of the sun's centre that counts as rise and set, in degrees
     #[arg(long, value_name = "DEG", default_value_t = -0.8333, allow_negative_numbers = true)]
-    pub(super) horizon: f64,
+    horizon: f64,
     /// A CSV of time, latitude, longitude, elevation (and pressure, temperature, delta_t), one position a row; - is stdin
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "time", "step", "plot"])]
     batch: Option<PathBuf>,
@@ -71,7 +70,7 @@ pub struct SunArgs {
     #[arg(long, value_name = "FILE")]
     plot: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) form: FormArgs,
+    form: FormArgs,
 }
 
 /// Runs `tyndall sun`.
@@ -105,9 +104,14 @@ pub fn run(args: &SunArgs) -> Result<()> {
     }
     let context = Context {
         args,
-        site,
-        weather,
-        clock,
+        place: Place {
+            site,
+            weather,
+            clock,
+            tier: args.sun.tier,
+            horizon_deg: args.horizon,
+            delta_t: args.time.delta_t,
+        },
     };
     if !args.plot.is_empty() {
         let year = match &when {
@@ -116,7 +120,7 @@ pub fn run(args: &SunArgs) -> Result<()> {
         };
         let drawing = sun_path::draw(
             &site,
-            &context.clock,
+            &context.place.clock,
             year,
             args.sun.tier,
             args.time.delta_t,
@@ -135,7 +139,7 @@ pub fn run(args: &SunArgs) -> Result<()> {
             When::Day(date, _) => *date,
             When::Moment(moment) => moment.local().date_naive(),
         };
-        return sun_events::run(&context, first, context.last_date(first)?);
+        return sun_events::run(&context.place, args.form, first, context.last_date(first)?);
     }
     match (when, &args.until) {
         (When::Day(date, _), None) => context.day(date),
@@ -151,7 +155,7 @@ pub fn run(args: &SunArgs) -> Result<()> {
                 When::Moment(moment) => moment.utc,
             };
             let end = match civil::date_alone(until)? {
-                Some(date) => context.clock.day(date)?.0,
+                Some(date) => context.place.clock.day(date)?.0,
                 None => args.time.moment(until, Some(&site))?.utc,
             };
             if end <= start {
@@ -208,56 +212,19 @@ fn step(text: &str) -> Result<TimeDelta, String> {
     Ok(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
 }
 
-/// A place with its clock and air, as the flags have them.
-pub(super) struct Context<'a> {
-    pub args: &'a SunArgs,
-    pub site: Site,
-    pub weather: Weather,
-    pub clock: Zone,
+struct Context<'a> {
+    args: &'a SunArgs,
+    place: Place,
 }
 
 impl Context<'_> {
-    pub(super) fn tier(&self) -> Tier {
-        self.args.sun.tier
-    }
-
-    pub(super) fn events(&self, date: NaiveDate) -> Result<DayEvents> {
-        DayEvents::new(
-            date,
-            &self.clock,
-            &self.site,
-            self.tier(),
-            self.args.horizon * DEG,
-            self.args.time.delta_t,
-        )
-    }
-
-    /// The place, as JSON.
-    pub(super) fn place(&self) -> Value {
-        json!({
-            "latitude": self.site.latitude_deg(),
-            "longitude": self.site.longitude_deg(),
-            "elevation": self.site.elevation(),
-            "pressure": self.weather.pressure_hpa(),
-            "temperature": self.weather.temperature_c(),
-        })
-    }
-
-    pub(super) fn clock_json(&self) -> Value {
-        json!({
-            "zone": self.clock.name(),
-            "source": self.clock.source(),
-            "tz_database": self.clock.name().map(|_| civil::tz_database()),
-        })
-    }
-
     /// One instant: the position, and the events of its date.
     fn instant(&self, moment: &Moment) -> Result<()> {
         let sun = tyndall::ephemeris::sun_position(
-            self.tier(),
+            self.place.tier,
             &moment.instant,
-            &self.site,
-            &self.weather,
+            &self.place.site,
+            &self.place.weather,
         );
         let time = civil::local_text(moment.local());
         let mut out = stdout::lock();
@@ -268,19 +235,19 @@ impl Context<'_> {
             out.bytes(&csv.into_bytes())?;
             return out.finish();
         }
-        let events = self.events(moment.local().date_naive())?;
+        let events = self.place.events(moment.local().date_naive())?;
         if self.args.form.json {
             let value = json!({
                 "time": time_text(&moment.local()),
                 "utc": moment.utc.to_rfc3339_opts(SecondsFormat::AutoSi, true),
                 "jd_utc": moment.instant.ut().jd(),
                 "delta_t": moment.instant.delta_t(),
-                "clock": self.clock_json(),
+                "clock": self.place.clock_json(),
                 "warnings": moment.warnings,
-                "place": self.place(),
-                "tier": self.tier().to_string(),
+                "place": self.place.json(),
+                "tier": self.place.tier.to_string(),
                 "sun": sun_json(&sun),
-                "events": self.events_json(&events),
+                "events": self.place.events_json(&events),
             });
             out.line(&serde_json::to_string_pretty(&value).unwrap_or_default())?;
             return out.finish();
@@ -290,7 +257,7 @@ impl Context<'_> {
             .as_deref()
             .map(|d| format!("; {d}"))
             .unwrap_or_default();
-        let (tier, error) = (self.tier(), tier_error(self.tier()));
+        let (tier, error) = (self.place.tier, tier_error(self.place.tier));
         let lines = [
             (
                 "time",
@@ -305,7 +272,7 @@ impl Context<'_> {
                     moment.instant.delta_t()
                 ),
             ),
-            ("place", self.place_text()),
+            ("place", self.place.text()),
             (
                 "algorithm",
                 format!(
@@ -363,7 +330,7 @@ impl Context<'_> {
             out.line(&format!("{name:<17} {value}"))?;
         }
         out.line("")?;
-        self.print_events(&mut out, &events)?;
+        self.place.print_events(&mut out, &events)?;
         out.finish()
     }
 
@@ -376,9 +343,9 @@ impl Context<'_> {
             Some(date) => date.pred_opt(),
             // A date that has begun by then is one of them.
             None => {
-                let end = self.args.time.moment(until, Some(&self.site))?;
+                let end = self.args.time.moment(until, Some(&self.place.site))?;
                 let before = end.utc - TimeDelta::nanoseconds(1);
-                Some(self.clock.local(before).date_naive())
+                Some(self.place.clock.local(before).date_naive())
             }
         };
         last.filter(|last| *last >= first).ok_or_else(|| {
@@ -392,7 +359,7 @@ impl Context<'_> {
 
     /// A date: its events, and a table of positions.
     fn day(&self, date: NaiveDate) -> Result<()> {
-        let events = self.events(date)?;
+        let events = self.place.events(date)?;
         let step = self.args.step.unwrap_or(TimeDelta::hours(1));
         let (start, end) = (events.span.0.to_utc(), events.span.1.to_utc());
         if self.args.form.csv {
@@ -407,10 +374,10 @@ impl Context<'_> {
                 .collect();
             let value = json!({
                 "date": date.to_string(),
-                "clock": self.clock_json(),
-                "place": self.place(),
-                "tier": self.tier().to_string(),
-                "events": self.events_json(&events),
+                "clock": self.place.clock_json(),
+                "place": self.place.json(),
+                "tier": self.place.tier.to_string(),
+                "events": self.place.events_json(&events),
                 "positions": positions,
             });
             out.line(&serde_json::to_string_pretty(&value).unwrap_or_default())?;
@@ -418,12 +385,12 @@ impl Context<'_> {
         }
         out.line(&format!(
             "{date} at {} ({}), tier {}",
-            self.place_text(),
-            self.clock.source(),
-            self.tier()
+            self.place.text(),
+            self.place.clock.source(),
+            self.place.tier
         ))?;
         out.line("")?;
-        self.print_events(&mut out, &events)?;
+        self.place.print_events(&mut out, &events)?;
         out.line("")?;
         self.print_table(&mut out, &rows)?;
         out.finish()
@@ -436,10 +403,10 @@ impl Context<'_> {
         let mut out = stdout::lock();
         if self.args.form.csv {
             let sun = tyndall::ephemeris::sun_position(
-                self.tier(),
+                self.place.tier,
                 &self.instant_at(start)?,
-                &self.site,
-                &self.weather,
+                &self.place.site,
+                &self.place.weather,
             );
             let mut csv = Rows::with_capacity(0);
             csv_names(&mut csv, &sun);
@@ -449,9 +416,9 @@ impl Context<'_> {
         } else {
             out.line(&format!(
                 "{} ({}), tier {}",
-                self.place_text(),
-                self.clock.source(),
-                self.tier()
+                self.place.text(),
+                self.place.clock.source(),
+                self.place.tier
             ))?;
         }
         // Pieces small enough to be written while the next are computed, large enough for an almanac to pay.
@@ -525,18 +492,20 @@ impl Context<'_> {
         );
         // An almanac takes a place for each two days: below four positions in these it would not pay.
         let almanac = (nanos <= 43_200_000_000_000 && range.end - range.start > 24)
-            .then(|| Almanac::new(self.tier(), &from, &to));
+            .then(|| Almanac::new(self.place.tier, &from, &to));
         range
             .map(|i| {
                 let utc = utc(i);
                 let instant = self.instant_at(utc)?;
                 let sun = match &almanac {
-                    Some(almanac) => almanac.sun_position(&instant, &self.site, &self.weather),
+                    Some(almanac) => {
+                        almanac.sun_position(&instant, &self.place.site, &self.place.weather)
+                    }
                     None => tyndall::ephemeris::sun_position(
-                        self.tier(),
+                        self.place.tier,
                         &instant,
-                        &self.site,
-                        &self.weather,
+                        &self.place.site,
+                        &self.place.weather,
                     ),
                 };
                 Ok((utc, sun))
@@ -545,7 +514,7 @@ impl Context<'_> {
     }
 
     fn time_text(&self, utc: DateTime<Utc>) -> String {
-        time_text(&self.clock.local(utc))
+        time_text(&self.place.clock.local(utc))
     }
 
     fn csv(&self, rows: &[(DateTime<Utc>, SunPosition)]) -> Vec<u8> {
@@ -553,7 +522,7 @@ impl Context<'_> {
         let mut time = Vec::new();
         for (utc, sun) in rows {
             time.clear();
-            write_time(&mut time, &self.clock.local(*utc));
+            write_time(&mut time, &self.place.clock.local(*utc));
             csv_row(&mut csv, &time, sun);
         }
         csv.into_bytes()
@@ -574,28 +543,12 @@ impl Context<'_> {
     fn table_row(&self, utc: DateTime<Utc>, sun: &SunPosition) -> String {
         format!(
             "{:<25} {:>9.4} {:>9.4} {:>9.4} {:>9.4} {:>8.3}",
-            civil::local_text(self.clock.local(utc)),
+            civil::local_text(self.place.clock.local(utc)),
             sun.azimuth_deg(),
             sun.elevation_apparent_deg(),
             sun.elevation_true_deg(),
             sun.declination / DEG,
             sun.equation_of_time_minutes
-        )
-    }
-
-    pub(super) fn place_text(&self) -> String {
-        let letter = |value: f64, letters: [char; 2]| {
-            // As people write it: 0.1 m on the ground are a millionth of a degree.
-            let degrees = (value.abs() * 1e6).round() / 1e6;
-            format!("{degrees}°{}", letters[usize::from(value < 0.0)])
-        };
-        format!(
-            "{}, {}, {} m; air of {:.1} hPa and {:.1} °C",
-            letter(self.site.latitude_deg(), ['N', 'S']),
-            letter(self.site.longitude_deg(), ['E', 'W']),
-            self.site.elevation(),
-            self.weather.pressure_hpa(),
-            self.weather.temperature_c()
         )
     }
 }

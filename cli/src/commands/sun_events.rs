@@ -5,7 +5,8 @@ use serde_json::{Map, Value, json};
 use tyndall::Result;
 use tyndall::ephemeris::{Absence, Almanac, Crossings, DayEvents, Instant, duration_text};
 
-use super::sun::Context;
+use super::sun_place::Place;
+use crate::arguments::form::FormArgs;
 use crate::tables::rows::Rows;
 use crate::tables::stdout;
 use crate::tables::time_text::time_text;
@@ -30,8 +31,7 @@ const EVENTS: [(&str, [&str; 2]); 14] = [
 ];
 
 /// A row for each date from `first` to `last`.
-pub(super) fn run(context: &Context<'_>, first: NaiveDate, last: NaiveDate) -> Result<()> {
-    let form = context.args.form;
+pub fn run(place: &Place, form: FormArgs, first: NaiveDate, last: NaiveDate) -> Result<()> {
     let dates = first.iter_days().take_while(|date| *date <= last);
     let mut out = stdout::lock();
     if form.csv {
@@ -45,24 +45,24 @@ pub(super) fn run(context: &Context<'_>, first: NaiveDate, last: NaiveDate) -> R
         head.end();
         out.bytes(&head.into_bytes())?;
         for date in dates {
-            out.bytes(&context.events_csv(&context.events(date)?))?;
+            out.bytes(&place.events_csv(&place.events(date)?))?;
         }
         return out.finish();
     }
     if form.json {
-        let days = dates.map(|date| Ok(context.events_json(&context.events(date)?)));
+        let days = dates.map(|date| Ok(place.events_json(&place.events(date)?)));
         let value = json!({
-            "clock": context.clock_json(),
-            "place": context.place(),
-            "tier": context.tier().to_string(),
+            "clock": place.clock_json(),
+            "place": place.json(),
+            "tier": place.tier.to_string(),
             "days": days.collect::<Result<Vec<Value>>>()?,
         });
         out.line(&serde_json::to_string_pretty(&value).unwrap_or_default())?;
         return out.finish();
     }
-    let place = context.place_text();
-    let (clock, tier) = (context.clock.source(), context.tier());
-    out.line(&format!("{place} ({clock}), tier {tier}"))?;
+    let words = place.text();
+    let (clock, tier) = (place.clock.source(), place.tier);
+    out.line(&format!("{words} ({clock}), tier {tier}"))?;
     for line in 0..2 {
         let mut head = format!("{:<10}", ["", "date"][line]);
         for (_, words) in &EVENTS[..13] {
@@ -76,20 +76,20 @@ pub(super) fn run(context: &Context<'_>, first: NaiveDate, last: NaiveDate) -> R
     }
     let mut missing = false;
     for date in dates {
-        let events = context.events(date)?;
+        let events = place.events(date)?;
         let mut row = date.to_string();
-        let list = context.event_list(&events);
+        let list = place.event_list(&events);
         missing |= list[..13].iter().any(|(_, times, _)| times.is_empty());
         for (_, times, _) in &list[..13] {
             // Rounded to the minute; of two, the first is shown.
             let time = times
                 .first()
-                .map(|t| context.clock.local(t.plus_seconds(30.0).to_utc()));
+                .map(|t| place.clock.local(t.plus_seconds(30.0).to_utc()));
             let text = time.map_or("-".into(), |time| time.format("%H:%M").to_string());
             row += &format!("  {text:<5}");
         }
         let noon = events.noon.first().unwrap_or(&events.span.0).to_utc();
-        let offset = context.clock.local(noon).format("UTC%:z").to_string();
+        let offset = place.clock.local(noon).format("UTC%:z").to_string();
         let length = duration_text(events.day_length);
         out.line(&format!("{row}  {length:<9}  {offset}"))?;
     }
@@ -99,7 +99,7 @@ pub(super) fn run(context: &Context<'_>, first: NaiveDate, last: NaiveDate) -> R
     out.finish()
 }
 
-impl Context<'_> {
+impl Place {
     /// The events in the order of the day, each with its name, elevation and time or reason.
     fn event_list<'e>(
         &self,
@@ -130,10 +130,10 @@ impl Context<'_> {
             .collect()
     }
 
-    pub(super) fn events_json(&self, events: &DayEvents) -> Value {
+    pub fn events_json(&self, events: &DayEvents) -> Value {
         let mut map = Map::new();
         map.insert("date".into(), json!(events.date.to_string()));
-        map.insert("horizon".into(), json!(self.args.horizon));
+        map.insert("horizon".into(), json!(self.horizon_deg));
         for (name, times, absence) in self.event_list(events) {
             let value = match absence {
                 Some(reason) => json!({ "times": [], "reason": reason_text(reason) }),
@@ -168,8 +168,8 @@ impl Context<'_> {
         time_text(&self.clock.local(whole_millis(instant)))
     }
 
-    pub(super) fn print_events(&self, out: &mut stdout::Out, events: &DayEvents) -> Result<()> {
-        let almanac = Almanac::new(self.tier(), &events.span.0, &events.span.1);
+    pub fn print_events(&self, out: &mut stdout::Out, events: &DayEvents) -> Result<()> {
+        let almanac = Almanac::new(self.tier, &events.span.0, &events.span.1);
         out.line(&format!("events of {}", events.date))?;
         for (name, times, absence) in self.event_list(events) {
             let label = name.replace('_', " ");

@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // not every test needs each
 
+pub mod timelapse;
+
 use std::io::Write;
 use std::path::Path;
 use std::process::{Child, Command, Output};
