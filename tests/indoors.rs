@@ -98,7 +98,7 @@ fn rooms_by_others_are_seen_and_lit() {
             diameter_deg: None,
         });
         let request = Request {
-            size: Some([48, 30]),
+            size: Some([32, 20]),
             samples: Some(1),
             camera: CameraChoice::Inside,
             ..Request::default()
