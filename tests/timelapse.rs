@@ -143,6 +143,17 @@ fn days_go_by_the_clock_and_hours_by_time_through_clock_changes() {
         later.local_text(later.get(1).expect("it is chosen")),
         "2026-10-25T02:30:00+01:00"
     );
+    // Unless the first end says which.
+    let exact = "2026-10-25T02:30+01:00[Europe/Paris]";
+    let exact = of(exact, "2026-10-26T02:30", "1d", None);
+    assert_eq!(
+        ends(&exact),
+        (
+            2,
+            "2026-10-25T02:30:00+01:00".into(),
+            "2026-10-26T02:30:00+01:00".into()
+        )
+    );
     // A year of noons by the clock, leap year or not.
     assert_eq!(
         ends(&of("2028-01-01T12:00", "2028-12-31T12:00", "1d", None)).0,
@@ -182,6 +193,20 @@ fn what_the_sun_does_is_solved_on_each_day_and_after_midnight() {
         .collect();
     let spread = seconds.iter().max().expect("some") - seconds.iter().min().expect("some");
     assert!((1800..1920).contains(&spread), "{spread} s");
+    // Seven hours before sunrise is on the date before: both ends are there.
+    for (start, count, first, last) in [
+        ("sunrise-7h", 30, "2026-05-31T22:5", "2026-06-29T22:5"),
+        ("sunset+5h", 29, "2026-06-02T02:4", "2026-06-30T02:5"),
+    ] {
+        let nights = of(PARIS, [start, "2026-06-30T23:59"], "2026-06-01", "1d");
+        let (_, from, _) = ends(&nights.expect("a month"));
+        assert!(from.starts_with(first), "{from}");
+        let nights = of(PARIS, [start, "2026-06-30T12:00"], "2026-06-01", "1d");
+        let (nights, _, to) = ends(&nights.expect("a month"));
+        assert!(nights == count && to.starts_with(last), "{nights} {to}");
+    }
+    let nights = of(PARIS, ["sunrise-7h", "2026-06-30"], "2026-06-01", "1d");
+    assert_eq!(nights.expect("a month").count(), 30);
     // South of the equator December has the long days.
     let sydney = [-33.86, 151.2];
     let length = |date| {
@@ -458,7 +483,7 @@ fn keys_change_with_what_changes_pictures_and_with_nothing_else() {
         );
     }
     let utc = plain.instant.parse::<DateTime<Utc>>().expect("an instant");
-    let other = |utc, ev100| key::of_frame("a", "b", utc, ev100);
+    let other = |utc, ev100| key::of_frame("a", "b", (utc, "12:00+02:00"), ev100);
     assert_eq!(other(utc, 8.0), other(utc, 8.0));
     assert_ne!(other(utc, 8.0), other(utc, 8.000_000_1));
     assert_ne!(

@@ -138,6 +138,8 @@ pub struct Settings<'a> {
     pub conditions: &'a Conditions,
     /// What the user wants otherwise.
     pub overrules: &'a Overrules,
+    /// The clock of the place: files hold the time by it.
+    pub clock: &'a str,
     /// The layers of an EXR.
     pub layers: &'a [&'static str],
     /// The colour space of EXR and HDR.
@@ -153,6 +155,7 @@ pub fn of_settings(settings: &Settings<'_>) -> String {
     let Settings {
         conditions,
         overrules,
+        clock,
         layers,
         space,
         backend,
@@ -163,7 +166,7 @@ pub fn of_settings(settings: &Settings<'_>) -> String {
     hash.take("camera", &view.camera);
     hash.take("size", &view.size);
     hash.take("samples", &view.samples);
-    // The others say how a time is read, and an instant is in each key.
+    // The others say how a time is read, and each key holds an instant and what the clock shows.
     let Request {
         size: _,
         samples: _,
@@ -177,8 +180,17 @@ pub fn of_settings(settings: &Settings<'_>) -> String {
         temperature_c,
     } = conditions.request();
     hash.take("sun", &(tier, delta_t, pressure_hpa, temperature_c));
-    hash.take("overrules", overrules);
-    hash.take("layers", layers);
+    hash.take("clock", clock);
+    // What is named in any order is one thing. Of one knob the last word counts, and an effect has more than one name: those stay in theirs.
+    let mut overrules = (*overrules).clone();
+    let knob = |(target, _): &(String, f64)| target.split_once('.').map(|(_, k)| k.to_owned());
+    overrules.set.sort_by_cached_key(knob);
+    overrules.force.sort();
+    overrules.without.sort();
+    let mut layers = layers.to_vec();
+    layers.sort();
+    hash.take("overrules", &overrules);
+    hash.take("layers", &layers);
     hash.take("space", space);
     hash.take("backend", backend);
     hash.take("exposure", exposure);
@@ -195,14 +207,20 @@ pub fn of_time_zones() -> String {
     hash.hexadecimal()
 }
 
-/// The key of a frame.
-pub fn of_frame(scene_hash: &str, settings_hash: &str, utc: DateTime<Utc>, ev100: f64) -> String {
+/// The key of a frame: `local` is its time by the clock of the place, which its files hold.
+pub fn of_frame(
+    scene_hash: &str,
+    settings_hash: &str,
+    (utc, local): (DateTime<Utc>, &str),
+    ev100: f64,
+) -> String {
     let mut hash = Hash::new();
     hash.take("version", &env!("CARGO_PKG_VERSION"));
     hash.take("scene", &scene_hash);
     hash.take("settings", &settings_hash);
     let instant = (utc.timestamp(), utc.timestamp_subsec_nanos());
     hash.take("instant", &instant);
+    hash.take("local", &local);
     hash.take("ev100", &ev100.to_bits());
     hash.hexadecimal()
 }

@@ -128,6 +128,55 @@ impl Header {
             .collect()
     }
 
+    /// Whether both are of one sequence under the same settings: whatever its command was, and in whichever words.
+    pub fn is_of_the_same(&self, other: &Header) -> bool {
+        let Header {
+            format,
+            version,
+            scene: _,
+            scene_hash,
+            settings_hash,
+            time_zones: _,
+            time_zones_hash,
+            // The scene's own.
+            site: _,
+            outputs: _,
+            from,
+            to,
+            step: _,
+            first,
+            frames,
+            fps: _,
+            size,
+            exposure,
+            command: _,
+        } = self;
+        let names = |header: &Header| {
+            // Of one index many ways to write it are the same.
+            let of = |template: Template| [0, u64::MAX].map(|index| template.path(index));
+            let mut names = header
+                .templates()
+                .map(|all| all.into_iter().map(of).collect::<Vec<_>>());
+            if let Ok(names) = &mut names {
+                names.sort();
+            }
+            names.ok()
+        };
+        *format == other.format
+            && *version == other.version
+            && *scene_hash == other.scene_hash
+            && *settings_hash == other.settings_hash
+            && *time_zones_hash == other.time_zones_hash
+            && *from == other.from
+            && *to == other.to
+            && *first == other.first
+            && *frames == other.frames
+            && *size == other.size
+            && *exposure == other.exposure
+            && names(self).is_some()
+            && names(self) == names(other)
+    }
+
     /// The indices of the frames.
     pub fn indices(&self) -> std::ops::Range<u64> {
         self.first..self.first.saturating_add(self.frames)
@@ -248,7 +297,8 @@ mod tests {
             time_zones: "IANA 2026a".into(),
             time_zones_hash: "ef".into(),
             site: Place {
-                latitude_deg: 48.0,
+                // A number that is read back as another one by a parser that is not exact.
+                latitude_deg: 46.063718908910516,
                 longitude_deg: 2.0,
                 elevation: 35.5,
             },
@@ -309,6 +359,31 @@ mod tests {
             Err(Error::Stopped)
         ));
         assert_eq!(Reader::open(&path).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn a_sequence_is_the_same_in_other_words() {
+        let of = |change: &dyn Fn(&mut Header)| {
+            let mut other = header();
+            change(&mut other);
+            header().is_of_the_same(&other)
+        };
+        assert!(of(&|other| {
+            other.command = "tyndall timelapse --max-memory 2GiB".into();
+            other.step = "2 frames".into();
+            other.outputs = vec!["out/{frame:04}.exr".into()];
+        }));
+        let changes: [&dyn Fn(&mut Header); 6] = [
+            &|other| other.outputs = vec!["out/#.exr".into()],
+            &|other| other.outputs.push("out/#.png".into()),
+            &|other| other.settings_hash.clear(),
+            &|other| other.to = "2026-06-21T18:00:31Z".into(),
+            &|other| other.frames = 3,
+            &|other| other.exposure = ExposurePlan::Fixed(0.0),
+        ];
+        for (number, change) in changes.iter().enumerate() {
+            assert!(!of(change), "change {number}");
+        }
     }
 
     #[test]

@@ -146,9 +146,14 @@ impl Sequence {
             fps,
             command,
         } = &self.asked;
+        let clock = match when.clock().name() {
+            Some(name) => name.to_owned(),
+            None => civil::offset_text(when.clock().offset_seconds(when.get(0)?)),
+        };
         let settings = Settings {
             conditions,
             overrules,
+            clock: &clock,
             layers,
             space,
             backend: &backend.identity(),
@@ -190,7 +195,7 @@ impl Sequence {
             return Ok(None);
         };
         let header = self.header(backend, reader.header.exposure.clone())?;
-        Ok((header == reader.header).then_some(reader))
+        Ok(header.is_of_the_same(&reader.header).then_some(reader))
     }
 
     /// Plans it: meters key frames with this backend. `told` is given the number of key frames that are done, and of all.
@@ -320,17 +325,18 @@ impl Sequence {
             settings_hash,
             ..
         } = &planned.header;
+        let local = self.asked.when.local_text(utc);
         Ok(FrameLine {
             index: self.asked.first + number,
             instant: utc_text(utc),
-            local: self.asked.when.local_text(utc),
+            key: key::of_frame(scene_hash, settings_hash, (utc, &local), ev100),
+            local,
             sun_azimuth_deg: conditions.sun_azimuth_deg(),
             sun_elevation_deg: conditions.sun_elevation_deg(),
             ev100,
             run: effects(true),
             skipped: effects(false),
             predicted_seconds: planned.seconds.at(number as f64),
-            key: key::of_frame(scene_hash, settings_hash, utc, ev100),
         })
     }
 

@@ -75,6 +75,21 @@ impl Template {
         format!("{before}{index:0digits$}{after}").into()
     }
 
+    /// The index of the frame whose file this is, by whatever name of its folder; nothing where it is no frame's.
+    pub fn index_of(&self, file: &Path) -> Option<u64> {
+        let of = |file: &Path| {
+            let before = self.before.rsplit(std::path::is_separator).next()?;
+            let name = file.file_name()?.to_str()?;
+            let digits = name.strip_prefix(before)?.strip_suffix(&*self.after)?;
+            let index = digits.parse().ok()?;
+            // Fewer digits than are asked for, or a sign, would be read too.
+            let named = self.path(index).file_name() == file.file_name();
+            (named && place_of(&self.folder()) == place_of(&folder_of(file))).then_some(index)
+        };
+        // What a link leads to may be a frame too.
+        of(file).or_else(|| of(&file.canonicalize().ok()?))
+    }
+
     /// As ffmpeg reads it: `frame_%04d.png`, with `%%` for a percent sign.
     pub fn printf(&self) -> String {
         let [before, after] = [&self.before, &self.after].map(|text| text.replace('%', "%%"));
@@ -95,10 +110,7 @@ impl Template {
 
     /// The folder in which the files are; `.` for a name without one.
     pub fn folder(&self) -> PathBuf {
-        match self.path(0).parent() {
-            Some(folder) if folder != Path::new("") => folder.to_owned(),
-            _ => PathBuf::from("."),
-        }
+        folder_of(&self.path(0))
     }
 
     /// The kind of picture that it names.
@@ -108,6 +120,22 @@ impl Template {
     pub fn format(&self) -> Result<Format> {
         Format::of(Path::new(&self.text))
     }
+}
+
+/// The folder of a file; `.` for a name without one.
+fn folder_of(file: &Path) -> PathBuf {
+    match file.parent() {
+        Some(folder) if folder != Path::new("") => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// One name of a folder, which need not exist, for all of its names.
+fn place_of(folder: &Path) -> PathBuf {
+    let found = folder.canonicalize();
+    found
+        .or_else(|_| std::path::absolute(folder))
+        .unwrap_or_else(|_| folder.to_owned())
 }
 
 /// The place of an index at the beginning of a text: its length, and the digits that it asks for.
@@ -163,6 +191,39 @@ mod tests {
         let folder = |text: &str| Template::new(text).expect(text).folder();
         assert_eq!(folder("a/b/#.png"), Path::new("a/b"));
         assert_eq!(folder("#.png"), Path::new("."));
+    }
+
+    #[test]
+    fn a_file_is_a_frame_by_its_index_in_its_folder() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("o")).expect("a folder in it");
+        let of = |text: &str, file: &str| {
+            let template = Template::new(&folder.path().join(text).to_string_lossy());
+            template
+                .expect(text)
+                .index_of(&folder.path().join("o/..").join(file))
+        };
+        assert_eq!(of("o/t_{frame}.png", "o/t_2.png"), Some(2));
+        assert_eq!(of("o/t_##.png", "o/t_02.png"), Some(2));
+        assert_eq!(of("o/t_##.png", "o/t_123.png"), Some(123));
+        for other in [
+            "o/t_2.png",
+            "o/t_+2.png",
+            "o/t_002.png",
+            "t_02.png",
+            "o/t_.png",
+            "o/t_02.exr",
+            "o/t_99999999999999999999.png",
+        ] {
+            assert_eq!(of("o/t_##.png", other), None, "{other}");
+        }
+        #[cfg(unix)]
+        {
+            std::fs::write(folder.path().join("o/t_03.png"), "").expect("a frame");
+            let link = folder.path().join("link.png");
+            std::os::unix::fs::symlink("o/t_03.png", link).expect("a link");
+            assert_eq!(of("o/t_##.png", "link.png"), Some(3));
+        }
     }
 
     #[test]

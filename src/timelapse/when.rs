@@ -6,7 +6,7 @@
 use crate::ephemeris::civil::{self, Reading, Zone};
 use crate::ephemeris::{Absence, Crossings, DayEvents, HORIZON, Instant, Site, Tier};
 use crate::error::{Error, Result, nearest};
-use chrono::{DateTime, Days, NaiveDate, NaiveTime, SubsecRound, TimeDelta, Utc};
+use chrono::{DateTime, Days, NaiveDate, NaiveDateTime, NaiveTime, SubsecRound, TimeDelta, Utc};
 use std::str::FromStr;
 
 /// The most frames of a sequence.
@@ -240,6 +240,8 @@ enum Steps {
 #[derive(Debug, Clone)]
 struct Daily {
     first: NaiveDate,
+    /// On that date, as it was asked for: a clock may show its time twice.
+    start: DateTime<Utc>,
     days: u64,
     what: OfDay,
     sun: Observed,
@@ -381,17 +383,24 @@ impl When {
                         (u64::try_from(count).unwrap_or(u64::MAX), every, step)
                     }
                     Every::Days(days) => {
-                        let last = sun.zone.local(end).date_naive();
                         let daily = Daily {
                             first,
+                            start,
                             days,
                             what,
                             sun: sun.clone(),
                         };
+                        let end_local = sun.zone.local(end).naive_local();
+                        // An offset brings an instant to another date, and a clock's day may begin before or after the sun's: from a day
+                        // that is surely late enough it is counted down.
+                        let last = match what {
+                            OfDay::Sun(_, offset) => end_local.checked_sub_signed(offset),
+                            OfDay::Clock(_) => Some(end_local),
+                        };
+                        let last = last.unwrap_or(end_local).date();
                         let between = (last - first).num_days().max(0) as u64;
-                        let mut count = between / days + 1;
-                        // A clock's day may begin before or after the sun's.
-                        while count > 1 && daily.get(count - 1)? > end {
+                        let mut count = (between + 2) / days + 1;
+                        while count > 1 && daily.is_after(count - 1, end, end_local) {
                             count -= 1;
                         }
                         (count, Steps::Days(Box::new(daily)), step)
@@ -491,9 +500,16 @@ fn later(from: DateTime<Utc>, nanoseconds: i128) -> DateTime<Utc> {
 }
 
 impl Daily {
-    fn get(&self, number: u64) -> Result<DateTime<Utc>> {
+    fn date(&self, number: u64) -> Option<NaiveDate> {
         let days = Days::new(self.days.saturating_mul(number));
-        let date = self.first.checked_add_days(days).ok_or_else(|| {
+        self.first.checked_add_days(days)
+    }
+
+    fn get(&self, number: u64) -> Result<DateTime<Utc>> {
+        if number == 0 {
+            return Ok(self.start);
+        }
+        let date = self.date(number).ok_or_else(|| {
             Error::input(
                 "--to",
                 "it is too far in the future",
@@ -501,6 +517,18 @@ impl Daily {
             )
         })?;
         self.sun.at("--from", self.what, date)
+    }
+
+    /// Whether a frame would be after the end, which is `end_local` by the clock. One that is not there is if all of its day is.
+    fn is_after(&self, number: u64, end: DateTime<Utc>, end_local: NaiveDateTime) -> bool {
+        if let Ok(utc) = self.get(number) {
+            return utc > end;
+        }
+        let earliest = self.date(number).and_then(|date| match self.what {
+            OfDay::Clock(time) => Some(date.and_time(time)),
+            OfDay::Sun(_, offset) => date.and_time(NaiveTime::MIN).checked_add_signed(offset),
+        });
+        earliest.is_none_or(|earliest| earliest > end_local)
     }
 }
 
@@ -553,25 +581,39 @@ impl Observed {
     }
 }
 
+/// Whether an end is what the sun does or a time of day, so that it has no date of its own.
+pub fn is_of_day(end: &str) -> bool {
+    is_event(end) || clock_time(end).is_some()
+}
+
+fn is_event(end: &str) -> bool {
+    let end = end.trim();
+    let begins = |with: &str| {
+        end.get(..with.len())
+            .is_some_and(|start| start.eq_ignore_ascii_case(with))
+    };
+    // A word, but for `now` and Julian dates.
+    end.starts_with(|c: char| c.is_ascii_alphabetic())
+        && !end.eq_ignore_ascii_case("now")
+        && !begins("jd")
+}
+
+fn clock_time(end: &str) -> Option<NaiveTime> {
+    ["%H:%M", "%H:%M:%S", "%H:%M:%S%.f"]
+        .iter()
+        .find_map(|form| NaiveTime::parse_from_str(end.trim(), form).ok())
+}
+
 /// Reads an end.
 fn read(flag: &str, text: &str, observer: &Observer<'_>) -> Result<End> {
     let text = text.trim();
-    if text.starts_with(|c: char| c.is_ascii_alphabetic())
-        && !text.eq_ignore_ascii_case("now")
-        && !text
-            .get(..2)
-            .is_some_and(|jd| jd.eq_ignore_ascii_case("jd"))
-    {
+    if is_event(text) {
         return event(flag, text).map(End::OfDay);
     }
     if let Some(date) = civil::date_alone(text)? {
         return Ok(End::Date(date));
     }
-    let clock = ["%H:%M", "%H:%M:%S", "%H:%M:%S%.f"];
-    let clock = clock
-        .iter()
-        .find_map(|form| NaiveTime::parse_from_str(text, form).ok());
-    if let Some(time) = clock {
+    if let Some(time) = clock_time(text) {
         return Ok(End::OfDay(OfDay::Clock(time)));
     }
     let moment = civil::resolve_with(text, &observer.reading)?;
@@ -643,6 +685,22 @@ mod tests {
             "", "30", "s", "-5s", "0s", "0d", "1.5d", "1d12h", "1x", "1e3s", "0.1ms", "1..5s",
         ] {
             assert!(bad.parse::<Every>().is_err_and(|e| e.is_input()), "{bad}");
+        }
+    }
+
+    #[test]
+    fn times_have_a_date() {
+        for text in [
+            "2026-06-21T18:30",
+            "2026-06-21",
+            "-0500-01-01T00:00Z",
+            "now",
+            "JD2461200.5",
+        ] {
+            assert!(!is_of_day(text), "{text}");
+        }
+        for text in ["18:30", "06:00:00.5", "sunrise-20m", " civil-dusk"] {
+            assert!(is_of_day(text), "{text}");
         }
     }
 
