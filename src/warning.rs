@@ -49,7 +49,7 @@ pub enum Warning {
         /// How many they are.
         count: usize,
     },
-    /// A scene in which nothing has a colour, and what is assumed instead.
+    /// A scene in which some faces or all have no colour, and what is assumed instead.
     AssumedReflectances {
         /// The scene file.
         file: String,
@@ -413,8 +413,9 @@ impl fmt::Display for Warning {
                 let [floors, walls, ceilings] = triangles;
                 write!(
                     f,
-                    "{file}: nothing has a colour; reflectances are those that EN 17037 assumes: floors 0.2 ({floors} triangles), \
-                     walls 0.5 ({walls}), ceilings 0.7 ({ceilings}), told apart by their slope"
+                    "{file}: {} triangles have no colour; their reflectances are those that EN 17037 assumes: floors 0.2 ({floors} triangles), \
+                     walls 0.5 ({walls}), ceilings 0.7 ({ceilings}), told apart by their slope",
+                    floors + walls + ceilings
                 )
             }
             Warning::OddSize { file, size, scale } => {

@@ -717,6 +717,52 @@ fn false_colours_are_those_of_the_legend() {
     assert!((96..105).map(off).max() > Some(100) && (84..94).all(|x| off(x) < 10));
 }
 
+/// An object with a wall, a pane and a leaf with holes; and a table on a floor.
+#[test]
+fn glass_and_holes_stay_and_a_table_leaves_the_floor() {
+    let folder = Folder::new();
+    folder.put("m.mtl", "newmtl wall\nKd 1 1 1\nnewmtl glass\nKd 1 1 1\n");
+    folder.put(
+        "g.obj",
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no Room\nusemtl wall\nf 1 2 3\nusemtl glass\nf 3 2 1\n",
+    );
+    let toml = |more: &str| {
+        let pane = "[[pane]]\nmaterial = \"glass\"\ntransmittance = 0.7\n";
+        folder.put("g.toml", format!("mesh = \"g.obj\"\n{pane}{more}"))
+    };
+    let named = |name: &str| {
+        toml(&format!(
+            "[[material]]\nname = \"{name}\"\nreflectance = 0.3\n"
+        ))
+    };
+    let scene = load(&named("Room")).expect("it loads");
+    let of = |i: usize| &scene.materials[scene.mesh.triangles[i].material as usize];
+    assert_eq!(
+        (of(0).base_color, of(0).pane.is_some()),
+        (DVec3::splat(0.3), false)
+    );
+    let pane = of(1).pane.as_ref().expect("it is glass yet");
+    assert_eq!(pane.transmittance, DVec3::splat(0.7));
+    let error = load(&named("glass")).expect_err("glass").to_string();
+    assert!(
+        error.contains("[[pane]]") && error.contains("transmittance"),
+        "{error}"
+    );
+
+    let mut wood = level([0.0, 0.0], [5.0, 5.0], 0.0);
+    wood.extend(level([1.0, 1.0], [2.2, 2.2], 0.75));
+    let sensors = grid(
+        &built(&[("wood", wood)]),
+        "floor=wood,plane=0.1,spacing=0.5",
+    );
+    let areas: Vec<f64> = sensors.planes.iter().map(|p| p.whole.area()).collect();
+    assert_eq!(areas.len(), 2, "{areas:?}");
+    assert!(
+        (areas[0] - 25.0).abs() < 1e-6 && (areas[1] - 1.44).abs() < 1e-6,
+        "{areas:?}"
+    );
+}
+
 #[test]
 fn reflectances_by_name_and_by_slope() {
     let folder = Folder::new();
@@ -765,6 +811,24 @@ fn reflectances_by_name_and_by_slope() {
         [floor, wall, ceiling].map(|n| reflectance(&named, n)),
         [0.35; 3]
     );
+    // One table does not make the rest white.
+    folder.put(
+        "b.obj",
+        obj(&[
+            ("Room", hollow(DVec3::ZERO, dvec3(4.0, 3.0, 5.0))),
+            ("Box", solid(dvec3(9.0, 0.0, 0.0), dvec3(10.0, 1.0, 1.0))),
+        ]),
+    );
+    let both = "mesh = \"b.obj\"\n[[material]]\nname = \"Box\"\nreflectance = 0.35\n";
+    let mut both = load(&folder.put("b.toml", both)).expect("it loads");
+    assumed::reflectances(&mut both);
+    assert_eq!(
+        [floor, wall, ceiling].map(|n| reflectance(&both, n)),
+        [0.2, 0.5, 0.7]
+    );
+    let said = both.warnings.iter().map(ToString::to_string);
+    let said = said.collect::<String>();
+    assert!(said.contains("12 triangles have no colour"), "{said}");
     let error = load(&toml("[[material]]\nname = \"Rom\"\nreflectance = 0.35\n"))
         .expect_err("no such name");
     assert!(

@@ -15,7 +15,7 @@ use tyndall::backend::Wanted;
 use tyndall::colour::luminance;
 use tyndall::conditions::Receiver;
 use tyndall::daylight::epw::WeatherFile;
-use tyndall::daylight::hours::{Hours, label_shift};
+use tyndall::daylight::hours::{Hours, ShiftFrom, label_shift};
 use tyndall::daylight::metrics::Metrics;
 use tyndall::daylight::sun_hours::{Span, SunHours};
 use tyndall::daylight::table::{Stamp, Table};
@@ -314,6 +314,10 @@ fn damaged_files_are_told_with_line_and_remedy() {
             "{what}: {error}"
         );
     }
+    // A shift that is given does not make north of south.
+    let file = read(&first([-48.4, 10.0, 1.0])).expect("it can be read");
+    let error = Hours::new(&file, 0.0, None, Some(0.0)).expect_err("it is winter in June");
+    assert!(error.to_string().contains("latitude"), "{error}");
 }
 
 #[test]
@@ -352,6 +356,14 @@ fn what_was_not_measured_follows_or_is_taken_from_near() {
     let error = hours(&read(&none).expect("it is sound"))
         .expect_err("there is none")
         .to_string();
+    // The sun down where there is light: a shift by 12 h.
+    let night = Hours::new(&plain.read(), 0.0, None, Some(12.0)).expect("it is in range");
+    assert_eq!(night.shift_from, ShiftFrom::Given);
+    assert!(told(&night.warnings, "hours without sun have irradiance"));
+    for shift in [f64::NAN, f64::INFINITY, 12.5, -1000.0] {
+        let error = Hours::new(&plain.read(), 0.0, None, Some(shift)).expect_err("out of range");
+        assert!(error.to_string().contains("-12 to 12 h"), "{error}");
+    }
     assert!(
         error.contains("line ") && error.contains("irradiance is missing"),
         "{error}"
@@ -376,6 +388,18 @@ fn labels_that_are_off_are_found() {
             assert!(
                 (found - shift).abs() < 0.03,
                 "{place:?}: {found} for {shift}"
+            );
+            // Without global irradiance.
+            let lines = MadeUp {
+                shift,
+                ..made_up(place)
+            }
+            .lines();
+            let file = read(&with_columns(&lines, &[13])).expect("it is sound");
+            let found = label_shift(&file).expect("sound").expect("light").hours;
+            assert!(
+                (found - shift).abs() < 0.05,
+                "{place:?}: {found} for {shift} without global irradiance"
             );
         }
     }

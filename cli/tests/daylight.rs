@@ -614,7 +614,7 @@ fn grids_have_summaries_tables_and_maps() {
     assert_eq!(json["unit"], "lx");
     assert_eq!(json["grids"][0]["spacing"], 1.0);
     let warned = json["warnings"].to_string();
-    assert!(warned.contains("nothing has a colour"), "{warned}");
+    assert!(warned.contains("triangles have no colour"), "{warned}");
     assert!(text(&read("a.svg")).contains("illuminance [lx] in scene.toml"));
     let report: Value = serde_json::from_slice(&read("report.json")).expect("JSON");
     assert_eq!(report["points"], 12);

@@ -276,7 +276,50 @@ fn what_a_year_cannot_use_is_told() {
         (vec!["--weather", "made.epw", "-o", "year.doc"], ".html"),
         (vec!["--weather", "made.epw", "-o", "made.epw"], "the name"),
         (vec!["--weather", "made.epw", "--show", "lux"], "da300_pct"),
+        (
+            vec!["--weather", "made.epw", "--label-shift", "nan"],
+            "-12 to 12",
+        ),
+        (
+            vec!["--weather", "made.epw", "--label-shift", "1000"],
+            "-12 to 12",
+        ),
+        (
+            vec!["--weather", "made.epw", "--set", "radiosity.rayz=8"],
+            "rays",
+        ),
+        (
+            vec!["--weather", "made.epw", "--backend", "gpu"],
+            "--backend",
+        ),
+        (
+            vec!["--weather", "made.epw", "--report", "r.json"],
+            "--report",
+        ),
+        (vec!["--weather", "made.epw", "--every", "1min"], "--every"),
         (vec!["--sun-hours", "2026-03-21"], "no place"),
+        (vec!["--sun-hours", "2026-03-21", "--sky", "cie:1"], "--sky"),
+        (
+            vec!["--sun-hours", "2026-03-21", "--label-shift", "1"],
+            "--label-shift",
+        ),
+        (
+            vec!["--sun-hours", "2026-03-21", "-o", "sun.html"],
+            "no page",
+        ),
+        (
+            vec![
+                "--at",
+                "48,15",
+                "--sun-hours",
+                "2026-03-21",
+                "--from",
+                "12:00",
+                "--to",
+                "12:04",
+            ],
+            "shorter than a step",
+        ),
         (vec!["--sun-hours", "21 March"], "--sun-hours"),
     ] {
         let mut all = vec![

@@ -10,26 +10,27 @@ use glam::DVec3;
 /// Reflectances of floors, walls and ceilings [1].
 pub const REFLECTANCES: [f64; 3] = [0.2, 0.5, 0.7];
 
-/// Gives a scene in which no face has a material or a colour reflectances by the slope of its faces, with a warning that says so. Other
-/// scenes stay as they are.
+/// Gives faces without a material reflectances by their slope, with a warning that says so. Scenes whose vertices have colours stay as they
+/// are.
 pub fn reflectances(scene: &mut Scene) {
     let Some(none) = scene.no_material else {
         return;
     };
-    let has_colours = scene.mesh.triangles.iter().any(|t| t.material != none);
-    if has_colours || !scene.mesh.colors.is_empty() || scene.mesh.triangles.is_empty() {
+    let bare = |t: &crate::scene::Triangle| t.material == none;
+    if !scene.mesh.colors.is_empty() || !scene.mesh.triangles.iter().any(bare) {
         return;
     }
     let geometry = Geometry::new(scene);
     let first = scene.materials.len() as u32;
-    let kinds: Vec<usize> = (scene.mesh.triangles.iter())
+    let kinds: Vec<usize> = (scene.mesh.triangles.iter().filter(|t| bare(t)))
         .map(|triangle| {
             let [a, b, c] = triangle.vertices.map(|v| scene.mesh.positions[v as usize]);
             let normal = (b - a).cross(c - a).normalize_or_zero();
             kind(&geometry, (a + b + c) / 3.0, normal)
         })
         .collect();
-    for (triangle, kind) in scene.mesh.triangles.iter_mut().zip(&kinds) {
+    let of_none = scene.mesh.triangles.iter_mut().filter(|t| bare(t));
+    for (triangle, kind) in of_none.zip(&kinds) {
         triangle.material = first + *kind as u32;
     }
     let names = ["floor", "wall", "ceiling"].map(|kind| format!("{kind} (assumed)"));

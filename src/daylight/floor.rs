@@ -218,17 +218,15 @@ fn levels(scene: &Scene, triangles: &[u32]) -> Vec<Area> {
     areas
 }
 
-/// The areas of a name, of which those that lie close above one another are one: a slab has two sides.
+/// The areas of a name, of which those that lie close above one another are one: a slab has two sides. A table on a floor has the floor's
+/// name and hides little of it: both stay.
 fn all(areas: Vec<Area>) -> Vec<Area> {
     let mut kept: Vec<Area> = Vec::new();
     for area in areas {
         let is_over = |lower: &Area| {
-            let over = area
-                .probes()
-                .iter()
-                .filter(|p| lower.outline.contains(**p))
-                .count();
-            area.height - lower.height < HEADROOM && 2 * over > area.probes().len()
+            let probes = lower.probes();
+            let under = probes.iter().filter(|p| area.outline.contains(**p)).count();
+            area.height - lower.height < HEADROOM && 2 * under > probes.len()
         };
         kept.retain(|lower| !is_over(lower));
         kept.push(area);

@@ -73,10 +73,11 @@ impl Sensors {
     fn add(&mut self, scene: &Scene, geometry: &Geometry, plane: Plane) -> Result<()> {
         let [columns, rows] = plane.cells;
         let count = columns as usize * rows as usize;
-        if count > MOST {
+        let all = self.points.len().saturating_add(count);
+        if all > MOST {
             return Err(Error::domain(
-                "the number of sensors",
-                count,
+                "the number of sensors of all planes",
+                all,
                 format!("at most {MOST}"),
                 "choose a wider spacing",
             ));

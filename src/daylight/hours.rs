@@ -24,6 +24,12 @@ const PARTS: usize = 12;
 /// The greatest shift of labels that is one [h]: more is another zone or place.
 const GREATEST: f64 = 1.5;
 
+/// The greatest shift that can be given [h].
+const GREATEST_GIVEN: f64 = 12.0;
+
+/// The clock goes by the labels where they are off by less than this [h].
+const OTHER_HOUR: f64 = 0.5;
+
 /// A shift that is worth a word [h].
 const WORTH: f64 = 0.1;
 
@@ -69,8 +75,21 @@ pub struct Hours {
     pub count: usize,
     /// The sun is taken so much later than the labels say [h].
     pub shift_h: f64,
+    /// Where that shift comes from.
+    pub shift_from: ShiftFrom,
     /// What was doubtful.
     pub warnings: Vec<Warning>,
+}
+
+/// Where the shift of labels comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShiftFrom {
+    /// The user.
+    Given,
+    /// The irradiance.
+    Found,
+    /// Nowhere: there is too little irradiance to find it by.
+    NotFound,
 }
 
 /// How well labels and sun agree.
@@ -85,27 +104,47 @@ pub struct Shift {
 }
 
 impl Hours {
-    /// Finds them, for a scene whose -Z faces an azimuth [degrees]. `shift_h` replaces the shift that the file itself tells.
+    /// Finds them, for a scene whose -Z faces an azimuth [degrees]. `shift_h`, -12 to 12, replaces the shift that the file itself tells.
     ///
     /// # Errors
-    /// [`Error::Input`] where place or zone cannot be those of the irradiance, and where too much of it is missing.
+    /// [`Error::Domain`] for a shift out of range, [`Error::Input`] where place or zone cannot be those of the irradiance, and where too much of it is missing.
     pub fn new(
         file: &WeatherFile,
         north_deg: f64,
         turbidity: Option<f64>,
         shift_h: Option<f64>,
     ) -> Result<Self> {
+        if let Some(given) = shift_h
+            && !(-GREATEST_GIVEN..=GREATEST_GIVEN).contains(&given)
+        {
+            return Err(Error::domain(
+                "the shift of labels",
+                format!("{given} h"),
+                format!("-{GREATEST_GIVEN} to {GREATEST_GIVEN} h"),
+                "leave --label-shift out: the shift is then found from the irradiance",
+            ));
+        }
         let site = Site::new(file.latitude_deg, file.longitude_deg, file.elevation)?;
         let mut warnings = file.warnings.clone();
         let mend = |problem: String, instead: String| Warning::Mended {
             problem: format!("{}: {problem}", file.file),
             instead,
         };
-        let shift_h = match (shift_h, label_shift(file)?) {
-            (Some(given), _) => given,
-            (None, None) => 0.0,
+        let found = label_shift(file)?;
+        if let Some(found) = &found {
+            check_season(file, found)?;
+        }
+        let (shift_h, shift_from) = match (shift_h, found) {
+            (Some(given), _) => (given, ShiftFrom::Given),
+            (None, None) => {
+                warnings.push(mend(
+                    "too little irradiance to find by it whether the labels are off".into(),
+                    "the sun is taken as the labels say (--label-shift says otherwise)".into(),
+                ));
+                (0.0, ShiftFrom::NotFound)
+            }
             (None, Some(found)) => {
-                check(file, &found)?;
+                check_shift(file, &found)?;
                 if found.hours.abs() >= WORTH {
                     warnings.push(mend(
                         format!(
@@ -120,7 +159,7 @@ impl Hours {
                         "the sun is taken then (--label-shift says otherwise)".into(),
                     ));
                 }
-                found.hours
+                (found.hours, ShiftFrom::Found)
             }
         };
         let suns: Result<Vec<Option<SunPosition>>> = file
@@ -194,8 +233,18 @@ impl Hours {
             lit,
             count: file.rows.len(),
             shift_h,
+            shift_from,
             warnings,
         })
+    }
+
+    /// By how much the clock of an hour's middle is later than its label says [h]: labels that are off by less than half an hour are the
+    /// clock's hours, others name another hour.
+    pub fn clock_shift_h(&self) -> f64 {
+        match self.shift_h.abs() < OTHER_HOUR {
+            true => 0.0,
+            false => self.shift_h,
+        }
     }
 }
 
@@ -207,11 +256,19 @@ fn irradiances(
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Option<Irradiance>>> {
     let (mut derived, mut lonely) = (0, 0);
+    let (mut sunless, mut lost) = (0, 0.0);
     let mut missing = Vec::new();
     let mut light: Vec<Option<Irradiance>> = Vec::with_capacity(suns.len());
     for (number, (row, sun)) in file.rows.iter().zip(suns).enumerate() {
         light.push(None);
-        let Some(sun) = sun else { continue };
+        let Some(sun) = sun else {
+            let given = row.global.or(row.diffuse_horizontal).unwrap_or(0.0);
+            if given > LEAST {
+                sunless += 1;
+                lost += given;
+            }
+            continue;
+        };
         let sine = sun.elevation_apparent.sin();
         let pair = match (row.direct_normal, row.diffuse_horizontal, row.global) {
             (Some(direct), Some(diffuse), _) => Some((direct, diffuse)),
@@ -244,6 +301,19 @@ fn irradiances(
                 }
             }
         }
+    }
+    if sunless > 0 {
+        let all: f64 = (file.rows.iter())
+            .filter_map(|row| row.global.or(row.diffuse_horizontal))
+            .sum();
+        warnings.push(Warning::Mended {
+            problem: format!(
+                "{}: {sunless} hours without sun have irradiance, {lost:.0} Wh/m2 in all, {:.2} % of the year's",
+                file.file,
+                100.0 * lost / all
+            ),
+            instead: "they are taken as dark".into(),
+        });
     }
     let mut mend = |count: usize, problem: &str, instead: &str| {
         if count > 0 {
@@ -349,6 +419,9 @@ fn position(row: &Row, zone_h: f64, shift_h: f64, site: &Site) -> Result<Option<
 /// By how much the hours' labels are off, by the shape of the days' global irradiance: it follows the sine of the sun's height, whatever
 /// the weather does, as clouds favour neither morning nor afternoon over a year. `None` where fewer than 100 days have light.
 ///
+/// On days on which it is missing the sum of direct normal and diffuse horizontal irradiance stands for it. The sum of direct times sine
+/// and diffuse would not do: its sine is that of a shift. This one is as even about noon.
+///
 /// Each day has a factor of its own; the shift leaves the least sum of squares. It is found within some minutes.
 ///
 /// # Errors
@@ -359,15 +432,19 @@ pub fn label_shift(file: &WeatherFile) -> Result<Option<Shift>> {
     let (sin, cos) = (file.latitude_deg * DEG).sin_cos();
     let mut days = Vec::new();
     for rows in file.rows.chunks(24) {
-        let global: Vec<f64> = rows.iter().map(|row| row.global.unwrap_or(0.0)).collect();
-        if rows.iter().any(|row| row.global.is_none()) {
+        let global = rows.iter().map(|row| row.global);
+        let sum = rows
+            .iter()
+            .map(|row| Some(row.direct_normal? + row.diffuse_horizontal?));
+        let light = global.collect::<Option<Vec<f64>>>();
+        let Some(light) = light.or_else(|| sum.collect()) else {
             continue;
-        }
+        };
         let noon = instant(&rows[0], 12.0, file.zone_h)?;
         let sun = sun_position(Tier::Minute, &noon, &site, &weather);
-        days.push((global, sun.declination.sin_cos(), sun.hour_angle));
+        days.push((light, sun.declination.sin_cos(), sun.hour_angle));
     }
-    let lit = |(global, ..): &&(Vec<f64>, _, _)| global.iter().any(|g| *g > 0.0);
+    let lit = |(light, ..): &&(Vec<f64>, _, _)| light.iter().any(|g| *g > 0.0);
     if days.iter().filter(lit).count() < 100 {
         return Ok(None);
     }
@@ -440,13 +517,12 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
     }
 }
 
-/// Whether the irradiance can be that of the header's place.
-fn check(file: &WeatherFile, shift: &Shift) -> Result<()> {
-    let place = || format!("{}, line 1", file.file);
+/// Whether the irradiance can be that of the header's longitude and zone.
+fn check_shift(file: &WeatherFile, shift: &Shift) -> Result<()> {
     if shift.hours.abs() > GREATEST {
         let longitude = file.longitude_deg + 15.0 * shift.hours;
         return Err(Error::input(
-            place(),
+            format!("{}, line 1", file.file),
             format!(
                 "the irradiance is that of a sun {:.1} h {} than place and zone say",
                 shift.hours.abs(),
@@ -465,10 +541,15 @@ fn check(file: &WeatherFile, shift: &Shift) -> Result<()> {
             ),
         ));
     }
+    Ok(())
+}
+
+/// Whether the irradiance can be that of the header's latitude.
+fn check_season(file: &WeatherFile, shift: &Shift) -> Result<()> {
     // Near the equator the sun's seasons are none.
     if shift.season < -0.2 && file.latitude_deg.abs() > 15.0 {
         return Err(Error::input(
-            place(),
+            format!("{}, line 1", file.file),
             format!(
                 "most light falls in the winter of latitude {}",
                 file.latitude_deg

@@ -35,6 +35,9 @@ pub const LEVELS: [(&str, f64, f64); 3] = [
 /// On which shares of a plane target and minimum are to be reached (EN 17037).
 pub const ON_PLANE: [f64; 2] = [0.5, 0.95];
 
+/// Sums of areas are off by less than this [% of a plane].
+const SLACK: f64 = 1e-7;
+
 const LM_83: &str = "IES LM-83-12 and ANSI/IES LM-83-22, not read in print";
 const UDI: &str = "Mardaljevic et al. 2012, not read in print";
 const EN_17037: &str = "EN 17037:2018+A1:2021, not read in print";
@@ -217,8 +220,8 @@ impl Metrics {
         let autonomy = 100.0 * part(&|p| p.da300_pct >= 50.0);
         all.push(Figure {
             verdict: match autonomy {
-                a if a >= 75.0 => "preferred (75 % or more), without blinds",
-                a if a >= 55.0 => "acceptable (55 % or more), without blinds",
+                a if a >= 75.0 - SLACK => "preferred (75 % or more), without blinds",
+                a if a >= 55.0 - SLACK => "acceptable (55 % or more), without blinds",
                 _ => "below 55 %, without blinds",
             }
             .into(),
@@ -236,7 +239,7 @@ impl Metrics {
         });
         let exposed = 100.0 * part(&|p| p.sun1000_h > EXPOSED[1]);
         all.push(Figure {
-            verdict: if exposed <= 10.0 { "10 % or less" } else { "above 10 %" }.into(),
+            verdict: if exposed <= 10.0 + SLACK { "10 % or less" } else { "above 10 %" }.into(),
             ..figure(
                 "ase",
                 "ASE1000,250h",
@@ -338,11 +341,21 @@ impl Metrics {
                 .zip(factors)
                 .zip(shares.into_iter().zip(ON_PLANE));
             for ((what, factor), (share, asked)) in lines {
+                // Without diffuse light there is no factor to ask for.
+                let is_known = factor.is_finite();
+                let asks = match is_known {
+                    true => format!("{what} {factor:.2} %"),
+                    false => what.to_owned(),
+                };
                 all.push(Figure {
-                    verdict: verdict.clone(),
+                    value: is_known.then_some(100.0 * share),
+                    verdict: match is_known {
+                        true => verdict.clone(),
+                        false => "not assessed".into(),
+                    },
                     ..figure(
                         &format!("en17037_factor_{name}_{what}"),
-                        &format!("EN 17037 by the daylight factor, level {name}: {what} {factor:.2} %"),
+                        &format!("EN 17037 by the daylight factor, level {name}: {asks}"),
                         100.0 * share,
                         "% of the plane",
                         format!(
@@ -359,7 +372,7 @@ impl Metrics {
 
 /// Whether target and minimum hold on enough of the plane; of roofs' light the target is asked on as much as the minimum.
 fn reached([target, minimum]: [f64; 2]) -> String {
-    let is_enough = |share: f64, asked: f64| share >= asked - 1e-9;
+    let is_enough = |share: f64, asked: f64| share >= asked - 0.01 * SLACK;
     let side = is_enough(target, ON_PLANE[0]) && is_enough(minimum, ON_PLANE[1]);
     match (side, is_enough(target, ON_PLANE[1])) {
         (_, true) => "reached, by light from sides or roof",
@@ -561,6 +574,30 @@ mod tests {
         );
         let view = figures.iter().find(|f| f.key == "view_out").expect("there");
         assert_eq!((view.value, view.verdict.as_str()), (None, "not assessed"));
+    }
+
+    #[test]
+    fn ten_parts_of_a_hundred_are_ten_percent_and_no_light_is_no_factor() {
+        // The sum of ten areas of 0.1 m2 over all of 10 m2 is a bit more than a tenth.
+        let sun = |_: usize, _: u32, point: usize| if point < 10 { 2000.0 } else { 0.0 };
+        let mut table = table(100, |_, _, _| 0.0, sun);
+        table
+            .stamps
+            .iter_mut()
+            .for_each(|stamp| stamp.diffuse = 0.0);
+        let found = Metrics::new(&table, &[0.0; 100]);
+        let all: Vec<usize> = (0..100).collect();
+        for area in [0.1, 0.3, 0.07] {
+            let figures = found.figures(&all, &[area; 100]);
+            let of = |key: &str| figures.iter().find(|f| f.key == key).expect("there");
+            assert_eq!(of("ase").verdict, "10 % or less", "{:?}", of("ase").value);
+            let factor = of("en17037_factor_high_target");
+            assert_eq!(
+                (factor.value, factor.verdict.as_str()),
+                (None, "not assessed")
+            );
+            assert!(!factor.name.contains("inf"), "{}", factor.name);
+        }
     }
 
     #[test]

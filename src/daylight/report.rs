@@ -4,7 +4,7 @@
 
 use super::epw::WeatherFile;
 use super::grid::Sensors;
-use super::hours::Hours;
+use super::hours::{Hours, ShiftFrom};
 use super::metrics::{ByPoint, Figure, Metrics};
 use super::table::Table;
 use super::year::{Fineness, Year};
@@ -12,7 +12,8 @@ use crate::colour::{Space, luminance};
 use crate::scene::Scene;
 use glam::DVec3;
 use serde::Serialize;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io;
 
 /// An input: what it is, and what it was.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -170,8 +171,14 @@ impl Report {
         line(
             "sun against labels",
             format!(
-                "{:+.2} h: the sun is taken so much later than the middle of the labelled hour",
-                hours.shift_h
+                "{:+.2} h: the sun is taken so much later than the middle of the labelled hour; {}",
+                hours.shift_h,
+                match hours.shift_from {
+                    ShiftFrom::Given => "given by the user",
+                    ShiftFrom::Found => "found from the irradiance",
+                    ShiftFrom::NotFound =>
+                        "not found, as there is too little irradiance: the labels are trusted",
+                }
             ),
         );
         line(
@@ -233,7 +240,7 @@ impl Report {
             weather_header: file.header.clone(),
             materials: materials(scene),
             rooms,
-            assumptions: assumptions(file),
+            assumptions: assumptions(file, hours),
             warnings,
             hourly_mean_lx,
             sensors: sensors.points.iter().enumerate().map(of_sensor).collect(),
@@ -287,27 +294,30 @@ impl Report {
     }
 }
 
-/// The hourly table as CSV: a row an hour of the year, standard time, a column a sensor [lx].
-pub fn hours_csv(file: &WeatherFile, table: &Table) -> String {
+/// Writes the hourly table as CSV: a row an hour of the year, standard time, a column a sensor [lx].
+///
+/// # Errors
+/// Those of writing.
+pub fn hours_csv(file: &WeatherFile, table: &Table, mut to: impl io::Write) -> io::Result<()> {
     let names: Vec<String> = (0..table.points)
         .map(|i| format!("sensor_{i}_lx"))
         .collect();
-    let mut text = format!("month,day,hour,open_diffuse_lx,{}\n", names.join(","));
+    writeln!(to, "month,day,hour,open_diffuse_lx,{}", names.join(","))?;
     let mut lit = table.stamps.iter().enumerate().peekable();
     for (number, row) in file.rows.iter().enumerate() {
-        let _ = write!(text, "{},{},{}", row.date.month, row.date.day, row.hour);
+        write!(to, "{},{},{}", row.date.month, row.date.day, row.hour)?;
         match lit.next_if(|(_, stamp)| stamp.number == number) {
             Some((hour, stamp)) => {
-                let _ = write!(text, ",{:.1}", stamp.diffuse);
+                write!(to, ",{:.1}", stamp.diffuse)?;
                 for lux in table.row(hour) {
-                    let _ = write!(text, ",{lux:.1}");
+                    write!(to, ",{lux:.1}")?;
                 }
             }
-            None => text.push_str(&",0".repeat(1 + table.points)),
+            None => (0..=table.points).try_for_each(|_| write!(to, ",0"))?,
         }
-        text.push('\n');
+        writeln!(to)?;
     }
-    text
+    to.flush()
 }
 
 fn room(name: &str, points: &[usize], areas: &[f64], metrics: &Metrics) -> Room {
@@ -341,13 +351,19 @@ fn materials(scene: &Scene) -> Vec<Surface> {
     used.iter().filter_map(of).collect()
 }
 
-fn assumptions(file: &WeatherFile) -> Vec<String> {
+fn assumptions(file: &WeatherFile, hours: &Hours) -> Vec<String> {
     let clock = match file.summer {
         Some([from, to]) => format!(
             "Occupied hours are 8 to 18 o'clock by the local clock, with summer time from {}/{} to {}/{} as the weather file says.",
             from.month, from.day, to.month, to.day
         ),
         None => "Occupied hours are 8 to 18 o'clock in standard time all the year: the weather file names no summer time.".into(),
+    };
+    let labels = match hours.clock_shift_h() {
+        0.0 => "Which hours are occupied goes by the labels of the weather file: they are off by less than half an hour.".into(),
+        shift => format!(
+            "Which hours are occupied goes by the labels of the weather file, {shift:+.2} h: by so much they are off."
+        ),
     };
     vec![
         "The sky of each hour is that of Perez et al. 1993 by the direct normal and diffuse horizontal irradiance of the weather file, \
@@ -357,6 +373,7 @@ fn assumptions(file: &WeatherFile) -> Vec<String> {
         "Surfaces are matt. Glass lets light straight through, by its angle, and reflects none.".into(),
         "There are no blinds: none are operated, as LM-83 asks for sDA.".into(),
         clock,
+        labels,
         "Lamps give no light. Rooms are empty of people, and glass is clean.".into(),
     ]
 }

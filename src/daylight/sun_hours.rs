@@ -79,7 +79,7 @@ impl SunHours {
     ///
     /// # Errors
     /// [`Error::Domain`] for steps that are too short or too long and for an elevation beyond the zenith, [`Error::Input`] for a span that
-    /// ends before it begins and for a day that the zone does not have, [`Error::Stopped`] when the work was stopped.
+    /// ends before it begins or is shorter than a step, and for a day that the zone does not have, [`Error::Stopped`] when the work was stopped.
     pub fn new(
         conditions: &Conditions,
         sensors: &[Receiver],
@@ -136,6 +136,14 @@ fn steps(conditions: &Conditions, site: &Site, zone: &Zone, span: &Span) -> Resu
             "--from and --to",
             "the span ends before it begins",
             "give times of the local clock, the earlier one first",
+        ));
+    }
+    let end = span.to.map_or(TimeDelta::days(1), |to| to - NaiveTime::MIN);
+    if end - (span.from - NaiveTime::MIN) < TimeDelta::seconds(i64::from(span.step_s)) {
+        return Err(Error::input(
+            "--from and --to",
+            "the span is shorter than a step",
+            "choose a shorter step (--every) or a longer span",
         ));
     }
     let (begin, end) = zone.day(span.date)?;

@@ -56,10 +56,20 @@ pub(super) fn read(
                 instead: "the reflectance is that of nothing".into(),
             });
         }
+        let is_pane = |material: &Material| material.pane.is_some();
+        let is_glass = match is_material {
+            true => (scene.materials.iter()).any(|m| m.name == *name && is_pane(m)),
+            false => (triangles.iter()).all(|t| is_pane(scene.material_of(*t))),
+        };
+        if is_glass {
+            let problem = format!("`{name}` is glass, which has no reflectance here");
+            let remedy = "say in a [[pane]] table what it lets through: transmittance";
+            return Err(wrong(problem, remedy));
+        }
         let reflectance = table.reflectance.rgb();
         match is_material {
             true => scene.reflect_by_material(name, reflectance),
-            false => scene.reflect_by_object(name, triangles, reflectance),
+            false => scene.reflect_by_object(name, &triangles, reflectance),
         }
     }
     Ok(())
@@ -69,26 +79,8 @@ impl Scene {
     /// Gives the materials of a name a reflectance.
     fn reflect_by_material(&mut self, name: &str, reflectance: DVec3) {
         let is_own: Vec<bool> = self.materials.iter().map(|m| m.name == name).collect();
-        for (index, material) in self
-            .materials
-            .iter_mut()
-            .enumerate()
-            .filter(|(i, _)| is_own[*i])
-        {
-            material.base_color = reflectance;
-            material.texture = match (material.texture, material.alpha_mode) {
-                (Some(texture), AlphaMode::Mask { .. } | AlphaMode::Blend) => {
-                    // Its holes stay.
-                    let mut white = self.textures[texture].clone();
-                    white
-                        .pixels
-                        .iter_mut()
-                        .for_each(|p| *p = [255, 255, 255, p[3]]);
-                    self.textures.push(white);
-                    Some(self.textures.len() - 1)
-                }
-                _ => None,
-            };
+        for index in (0..is_own.len()).filter(|i| is_own[*i]) {
+            self.materials[index] = self.reflecting(index, reflectance);
             if self.no_material == Some(index as u32) {
                 self.no_material = None;
             }
@@ -96,14 +88,51 @@ impl Scene {
         self.whiten(|material| is_own[material as usize]);
     }
 
-    /// Gives the faces of an object a material of that reflectance.
-    fn reflect_by_object(&mut self, name: &str, triangles: Vec<u32>, reflectance: DVec3) {
-        let own = self.materials.len() as u32;
+    /// Gives the faces of an object materials of that reflectance, but for glass.
+    fn reflect_by_object(&mut self, name: &str, triangles: &[u32], reflectance: DVec3) {
+        let first = self.materials.len() as u32;
+        // The numbers of the materials that were and that are.
+        let mut made = std::collections::HashMap::new();
         for triangle in triangles {
-            self.mesh.triangles[triangle as usize].material = own;
+            let old = self.mesh.triangles[*triangle as usize].material;
+            if self.materials[old as usize].pane.is_some() {
+                continue;
+            }
+            let new = *made.entry(old).or_insert_with(|| {
+                let material = self.reflecting(old as usize, reflectance);
+                self.materials.push(Material {
+                    name: name.to_owned(),
+                    ..material
+                });
+                self.materials.len() as u32 - 1
+            });
+            self.mesh.triangles[*triangle as usize].material = new;
         }
-        self.materials.push(Material::of(name, reflectance));
-        self.whiten(|material| material == own);
+        self.whiten(|material| material >= first);
+    }
+
+    /// A material with another reflectance, whose holes stay.
+    fn reflecting(&mut self, index: usize, reflectance: DVec3) -> Material {
+        let material = &self.materials[index];
+        let texture = match (material.texture, material.alpha_mode) {
+            (Some(texture), AlphaMode::Mask { .. } | AlphaMode::Blend) => {
+                let mut white = self.textures[texture].clone();
+                (white.pixels.iter_mut()).for_each(|p| *p = [255, 255, 255, p[3]]);
+                self.textures.push(white);
+                Some(self.textures.len() - 1)
+            }
+            _ => None,
+        };
+        Material {
+            base_color: reflectance,
+            texture,
+            ..material.clone()
+        }
+    }
+
+    fn material_of(&self, triangle: u32) -> &Material {
+        let number = self.mesh.triangles[triangle as usize].material;
+        &self.materials[number as usize]
     }
 
     /// Takes the colours of vertices away from the triangles of some materials; their alpha stays.

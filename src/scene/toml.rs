@@ -299,8 +299,9 @@ pub(super) fn load(
         let lamps = light.read(i, path, within, &scene.nodes, &wrong, &mut scene.warnings)?;
         scene.lamps.extend(lamps);
     }
-    reflectance::read(file.material, path, &mut scene, &wrong)?;
+    // What is glass is known before reflectances are given by the names of objects.
     pane::read(file.pane, path, within, &mut scene, &wrong)?;
+    reflectance::read(file.material, path, &mut scene, &wrong)?;
     if let Some(picture) = file.picture {
         scene.picture = PictureEntry {
             size: picture.size,

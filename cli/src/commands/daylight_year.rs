@@ -9,7 +9,7 @@ use chrono::{NaiveDate, NaiveTime};
 use clap::Args;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
@@ -26,53 +26,88 @@ use tyndall::daylight::year::{self, Fineness, Year};
 use tyndall::ephemeris::{Site, civil};
 use tyndall::output::scale::Scale;
 use tyndall::output::{self, atomic};
+use tyndall::plan::Plan;
 use tyndall::scene::{Camera, Scene};
 use tyndall::task::{Step, Task};
 use tyndall::{Error, Result};
+
+/// Flags that neither has a use for: weather and quality say all that they do.
+const UNUSED: [&str; 12] = [
+    "sky",
+    "direct_normal",
+    "diffuse_horizontal",
+    "report",
+    "backend",
+    "max_memory",
+    "method",
+    "max_error",
+    "within",
+    "tolerance",
+    "force",
+    "without",
+];
 
 /// A year of weather, or the hours of sun on a day.
 #[derive(Debug, Args)]
 pub struct YearArgs {
     /// A year of weather (.epw): the metrics of LM-83, UDI and EN 17037 of all sensors of --grid
-    #[arg(long, value_name = "FILE.epw", requires = "grid", conflicts_with_all = ["points", "time", "sun", "sky", "factor", "sun_hours"])]
+    #[arg(long, value_name = "FILE.epw", requires = "grid", conflicts_with_all = ["points", "time", "sun", "factor", "sun_hours"], conflicts_with_all = UNUSED)]
     pub weather: Option<PathBuf>,
     /// With --weather: how finely the sky is divided: 1 (145 patches), 2 (577) or 4 (2305)
-    #[arg(long, value_name = "1|2|4", default_value_t = 2, requires = "weather")]
+    #[arg(
+        long,
+        value_name = "1|2|4",
+        default_value_t = 2,
+        requires = "weather",
+        conflicts_with = "sun_hours"
+    )]
     patches: u32,
     /// With --weather: write the illuminance of each sensor in each hour of the year
-    #[arg(long, value_name = "FILE.csv", requires = "weather")]
+    #[arg(
+        long,
+        value_name = "FILE.csv",
+        requires = "weather",
+        conflicts_with = "sun_hours"
+    )]
     hours: Option<PathBuf>,
     /// With --weather: take the sun so many hours later than the file's labels say [default: found from the irradiance]
     #[arg(
         long,
         value_name = "H",
         requires = "weather",
+        conflicts_with = "sun_hours",
         allow_negative_numbers = true
     )]
     label_shift: Option<f64>,
     /// With --weather: the ground has the mean albedo of the weather file, not the scene's
-    #[arg(long, requires = "weather")]
+    #[arg(long, requires = "weather", conflicts_with = "sun_hours")]
     weather_albedo: bool,
-    /// With --weather or --sun-hours: what a map shows, a column of the table [default: da300_pct]
-    #[arg(long, value_name = "COLUMN", requires = "weather")]
+    /// With --weather: what a map shows, a column of the table [default: da300_pct]
+    #[arg(
+        long,
+        value_name = "COLUMN",
+        requires = "weather",
+        conflicts_with = "sun_hours"
+    )]
     show: Option<String>,
     /// The hours of sun of each sensor of --grid on a day, clouds left out
-    #[arg(long, value_name = "DATE", requires = "grid", conflicts_with_all = ["points", "time", "sun", "factor"])]
+    #[arg(long, value_name = "DATE", requires = "grid", conflicts_with_all = ["points", "time", "sun", "factor", "set"], conflicts_with_all = UNUSED)]
     pub sun_hours: Option<NaiveDate>,
     /// With --sun-hours: from this time of the local clock on
-    #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time, default_value = "00:00")]
+    #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time, default_value = "00:00", conflicts_with = "weather")]
     from: NaiveTime,
     /// With --sun-hours: to this time of the local clock [default: midnight]
-    #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time)]
+    #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time, conflicts_with = "weather")]
     to: Option<NaiveTime>,
     /// With --sun-hours: how long a step is
-    #[arg(long, value_name = "STEP", requires = "sun_hours", value_parser = step, default_value = "5min")]
+    #[arg(long, value_name = "STEP", requires = "sun_hours", value_parser = step, default_value = "5min", conflicts_with = "weather")]
     every: u32,
     /// With --sun-hours: the sun counts from this height on, in degrees (EN 17037 has one for each place)
     #[arg(
         long,
         value_name = "DEG",
         requires = "sun_hours",
+        conflicts_with = "weather",
         default_value_t = 0.0,
         allow_negative_numbers = true
     )]
@@ -144,6 +179,14 @@ fn kind(file: &Path) -> Result<Kind> {
     }
 }
 
+fn no_page(file: &Path) -> Error {
+    Error::input(
+        format!("-o {}", file.display()),
+        "there is no page of hours of sun",
+        "write .csv, .json, .svg or .png",
+    )
+}
+
 /// Runs what is asked for.
 ///
 /// # Errors
@@ -153,7 +196,9 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
     let mut in_use = asked.scene.files(&scene);
     in_use.extend(args.weather.iter().map(|f| (f.clone(), "the weather file")));
     for file in asked.files {
-        kind(file)?;
+        if kind(file)? == Kind::Page && args.sun_hours.is_some() {
+            return Err(no_page(file));
+        }
     }
     for file in asked.files.iter().chain(&args.hours) {
         output::check_apart("-o", file, &in_use)?;
@@ -206,6 +251,9 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
     }
     let turbidity = scene.sky.turbidity;
     let conditions = year::conditions(scene, &asked.scene.request(), &file)?;
+    let overrules = asked.plan.overrules();
+    // Knobs that do not exist are told.
+    Plan::new(&conditions, &overrules)?;
     let sensors = Sensors::new(&conditions.scene, &conditions.geometry, asked.grids)?;
     let hours = Hours::new(
         &file,
@@ -217,7 +265,6 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
     tell::warnings(&hours.warnings);
     crate::commands::daylight_grid::tell(&sensors);
     done("read");
-    let overrules = asked.plan.overrules();
     let fineness = Fineness {
         patches: args.patches,
         ..Fineness::new(overrules.quality, &overrules.set)
@@ -225,7 +272,9 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
     let year = watched(|task| Year::new(&conditions, sensors.receivers(), &fineness, task))?;
     done("coefficients");
     let clock = |hour: &tyndall::daylight::hours::Hour| {
-        f64::from(hour.hour) - 0.5 + f64::from(u8::from(file.is_summer(hour.date)))
+        f64::from(hour.hour) - 0.5
+            + hours.clock_shift_h()
+            + f64::from(u8::from(file.is_summer(hour.date)))
     };
     let table = watched(|task| year.table(&hours, clock, task))?;
     done("hours");
@@ -271,7 +320,7 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
         }
     }
     if let Some(path) = &args.hours {
-        write(path, &hours_csv(&file, &table))?;
+        atomic::write(path, |to| hours_csv(&file, &table, BufWriter::new(to)))?;
     }
     done("files");
     match As::table_or(asked.form) {
@@ -376,13 +425,7 @@ fn of_day(args: &YearArgs, asked: &Asked, mut scene: Scene, date: NaiveDate) -> 
             }
             Kind::Csv => write(path, &day_csv(&sensors, &found))?,
             Kind::Json => output::report::write(path, &report)?,
-            Kind::Page => {
-                return Err(Error::input(
-                    format!("-o {}", path.display()),
-                    "there is no page of hours of sun",
-                    "write .csv, .json, .svg or .png",
-                ));
-            }
+            Kind::Page => return Err(no_page(path)),
         }
     }
     match As::table_or(asked.form) {
@@ -425,10 +468,11 @@ fn of_planes(sensors: &Sensors, found: &SunHours) -> Vec<(String, [f64; 6])> {
         let whole: f64 = own.iter().map(|(area, _)| area).sum();
         let least = own.iter().map(|(_, h)| *h).fold(f64::INFINITY, f64::min);
         let most = own.iter().map(|(_, h)| *h).fold(0.0, f64::max);
-        let mean = own.iter().map(|(area, h)| area * h).sum::<f64>() / whole;
+        // The sum of nothing is -0.
+        let mean = (0.0 + own.iter().map(|(area, h)| area * h).sum::<f64>()) / whole;
         let [a, b, c] = sun_hours::LEVELS.map(|(_, asked)| {
             let enough = own.iter().filter(|(_, h)| *h >= asked - 1e-9);
-            100.0 * enough.map(|(area, _)| area).sum::<f64>() / whole
+            100.0 * (0.0 + enough.map(|(area, _)| area).sum::<f64>()) / whole
         });
         (plane.name.clone(), [least, mean, most, a, b, c])
     };
