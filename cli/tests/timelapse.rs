@@ -188,6 +188,11 @@ fn what_is_there_stays_and_what_is_not_or_differs_is_made() {
         "{again}"
     );
     assert_eq!(times(&out), begun);
+    // In other words it is the same.
+    let mut otherwise = both(&["--max-memory", "2", "--assemble", "--curves", "c.svg"]);
+    otherwise[8..].rotate_left(2);
+    let output = tyndall(folder, &otherwise);
+    assert!(output.status.success(), "{}", stderr(&output));
     // One is lost, one is cut off, one is of something else; one of two files of a frame is enough.
     std::fs::remove_file(out.join("f_0002.exr")).expect("it is there");
     std::fs::write(out.join("f_0003.exr"), &made["f_0003.exr"][..2000]).expect("it is cut off");
@@ -392,5 +397,28 @@ fn what_cannot_be_is_refused_before_anything_is_made() {
         ],
         "--every",
     );
-    assert!(!folder.join("out").exists());
+    refused(
+        &words("2", "out/f_####.png", &["--multiply", "2"]),
+        "no -o has a format that they concern",
+    );
+    let made = || folder.join("out").exists();
+    assert!(!made());
+    let emit = ["--emit", "slurm", "--shards", "2", "--", "slats.toml"];
+    let emitted = tyndall(folder, &{
+        let mut words = words("2", "out/f_####.exr", &emit);
+        words.remove(1);
+        words
+    });
+    let job = String::from_utf8_lossy(&emitted.stdout).into_owned();
+    assert!(
+        job.contains("f_####.exr' slats.toml --shard \"$shard/$shards\""),
+        "{job}{}",
+        stderr(&emitted)
+    );
+    assert!(job.contains("f_####.exr' slats.toml --assemble") && !made());
+    let sheet = ["-o", "f_{frame}.png", "--sheet", "f_2.png"];
+    refused(
+        &words("2", "f_{frame}.exr", &sheet),
+        "frame 2 and the sheet are one file",
+    );
 }

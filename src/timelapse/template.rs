@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::output::Format;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The widest index that a name may ask for [digits]: that of the largest there is.
@@ -120,6 +121,31 @@ impl Template {
     pub fn format(&self) -> Result<Format> {
         Format::of(Path::new(&self.text))
     }
+}
+
+/// Refuses files that a frame of these indices would be written over, or that would be written over a frame: `files` are given with what
+/// they are, in words.
+///
+/// # Errors
+/// [`Error::Input`] for the first of them.
+pub fn check_apart(
+    templates: &[Template],
+    indices: &Range<u64>,
+    files: &[(PathBuf, &str)],
+) -> Result<()> {
+    for template in templates {
+        for (file, what) in files {
+            let index = template.index_of(file);
+            if let Some(index) = index.filter(|index| indices.contains(index)) {
+                return Err(Error::input(
+                    format!("-o {}", template.text()),
+                    format!("frame {index} and {what} are one file: {}", file.display()),
+                    "give one of them another name or folder",
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The folder of a file; `.` for a name without one.

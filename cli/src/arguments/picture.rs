@@ -2,10 +2,10 @@
 
 use crate::arguments::backend::BackendFlag;
 use clap::{Args, ValueEnum};
-use tyndall::Result;
 use tyndall::colour::Space;
-use tyndall::output::{self, Numbers, OutputSpace, Units};
+use tyndall::output::{self, Format, Numbers, OutputSpace, Units};
 use tyndall::scene::Scene;
+use tyndall::{Error, Result};
 
 /// What renders, and what is in the files.
 #[derive(Debug, Args)]
@@ -41,6 +41,22 @@ impl PictureArgs {
             Some(Exposure::Ev100(ev100)) => Some(ev100),
             Some(Exposure::Auto) => None,
             None => scene.picture.exposure_ev100,
+        }
+    }
+
+    /// Refuses numbers for files that hold none: PNGs are as a screen shows them.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where no file of these formats has numbers that the flags say anything of.
+    pub fn check(&self, formats: &[Format]) -> Result<()> {
+        let written = formats.iter().any(|format| *format != Format::Png);
+        match self.numbers.numbers(false) == Numbers::default() || written {
+            true => Ok(()),
+            false => Err(Error::input(
+                "--units, --multiply and --clamp-half",
+                "no -o has a format that they concern",
+                "add -o with a name in .exr or .hdr, or leave them out",
+            )),
         }
     }
 

@@ -64,6 +64,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         args.output.clone()
     };
     let formats = output::check_targets(&files)?;
+    args.picture.check(&formats)?;
+    if args.false_colour.is_some() && !formats.contains(&Format::Png) {
+        return Err(Error::input(
+            "--false-colour",
+            "no -o has a format that it concerns",
+            "add -o with a name in .png, or leave it out",
+        ));
+    }
     let layers = args.picture.layers()?;
     let conditions = args.view.conditions()?;
     let mut in_use = args.view.scene.files(&conditions.scene);

@@ -10,6 +10,7 @@ use crate::tables::stdout;
 use crate::tell;
 use clap::Args;
 use serde_json::json;
+use std::ffi::OsString;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -28,7 +29,7 @@ use tyndall::timelapse::cluster;
 use tyndall::timelapse::plan::{self, ExposurePlan, FrameLine, Header, Reader};
 use tyndall::timelapse::resume::Outputs;
 use tyndall::timelapse::select::{Only, Shard};
-use tyndall::timelapse::template::Template;
+use tyndall::timelapse::template::{self, Template};
 use tyndall::timelapse::when::{self, Count, Every, Observer, When};
 use tyndall::timelapse::{Asked, Sequence};
 use tyndall::warning::Warning;
@@ -39,7 +40,7 @@ use tyndall::warning::Warning;
 Ends are times as --time takes them, times of day with --date, or what the sun does on --date: astronomical-dawn, nautical-dawn, civil-dawn, \
 sunrise, solar-noon, sunset, civil-dusk, nautical-dusk, astronomical-dusk, solar-midnight, each with an offset such as -20m.\n\n\
 Examples:\n  \
-tyndall timelapse --date 2026-10-10 --from sunrise-20m --to sunset+40m --every 2m -o 'out/day_{frame:04}.exr'\n  \
+tyndall timelapse --date 2026-10-10 --from sunrise-20m --to sunset+40m --every 2m --exposure auto -o 'out/day_{frame:04}.exr'\n  \
 tyndall timelapse scene.toml --date 2026-01-01 --from solar-noon --to 2026-12-31 --every 1d -o 'out/noon_####.png'\n  \
 tyndall timelapse scene.toml --from 2026-06-21T18:00 --to 2026-06-21T22:00 --frames 240 --shard 2/16 -o 'out/dusk_%04d.exr'")]
 pub struct TimelapseArgs {
@@ -94,6 +95,8 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let outputs = args.output.iter().map(|text| Template::new(text));
     let outputs: Vec<Template> = outputs.collect::<Result<_>>()?;
     Outputs::new(outputs.clone())?;
+    let formats = outputs.iter().map(Template::format);
+    args.picture.check(&formats.collect::<Result<Vec<_>>>()?)?;
     let layers = args.picture.layers()?;
     if args.plan.within.is_some() {
         return Err(Error::input(
@@ -115,18 +118,24 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let (first, count) = (args.start_number, when.count());
     let plan_file = plan::beside(&outputs[0]);
     output::check_apart("the plan file", &plan_file, &in_use)?;
+    let indices = first..first.saturating_add(count);
+    template::check_apart(&outputs, &indices, &in_use)?;
     if !args.dry_run {
-        for template in &outputs {
-            let folder = template.folder();
-            std::fs::create_dir_all(&folder).map_err(|e| Error::writing(&folder, e))?;
-            output::check_apart("-o", &template.path(first), &in_use)?;
+        if !args.film.emits() {
+            for template in &outputs {
+                let folder = template.folder();
+                std::fs::create_dir_all(&folder).map_err(|e| Error::writing(&folder, e))?;
+                // A link is written through.
+                output::check_apart("-o", &template.path(first), &in_use)?;
+            }
+            output::check_targets(&outputs.iter().map(|o| o.path(first)).collect::<Vec<_>>())?;
         }
-        output::check_targets(&outputs.iter().map(|o| o.path(first)).collect::<Vec<_>>())?;
         let partial = args.only.is_some() || args.shard.is_some();
-        args.film.check(&plan_file, &outputs, partial, &in_use)?;
+        args.film
+            .check(&plan_file, &outputs, &indices, partial, &in_use)?;
     }
+    let words: Vec<OsString> = std::env::args_os().collect();
     if args.film.emits() {
-        let words: Vec<String> = std::env::args().collect();
         return args.film.emit(&conditions.scene.name, &words, count);
     }
     tell::conditions(&conditions);
@@ -136,6 +145,13 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     };
     let mut backend = machine::open(args.picture.backend.wanted())?;
     if let Some(goal) = args.plan.goal() {
+        if matches!(backend, Backend::Gpu(_)) && overrules.method.is_none() {
+            return Err(Error::input(
+                "--max-error",
+                "on a GPU it chooses the method by measured time, which is another on each run, and frames would differ",
+                "give --method too, such as --method rectified, or --backend reference",
+            ));
+        }
         // By a frame in the middle, whichever frames this process renders.
         let middle = conditions.at(&when.text(when.get(count / 2)?))?;
         let chosen = choose(&mut backend, &middle, &overrules, goal, &limits)?;
@@ -154,7 +170,7 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
         space: args.picture.space(),
         first,
         fps: None,
-        command: command(std::env::args().collect()),
+        command: command(&words),
     })?;
     let run = Run {
         args,
@@ -210,7 +226,7 @@ fn when(args: &TimelapseArgs, scene: &Scene) -> Result<When> {
             date => date,
         },
         // An end that is a time has its own.
-        (None, Some(time)) if !is_time(&args.from) && !is_time(&args.to) => {
+        (None, Some(time)) if when::is_of_day(&args.from) && when::is_of_day(&args.to) => {
             let moment = civil::resolve_with(time, &reading)?;
             Some(moment.local().date_naive())
         }
@@ -233,11 +249,6 @@ fn when(args: &TimelapseArgs, scene: &Scene) -> Result<When> {
         tier: request.tier,
     };
     When::new(&asked, &observer)
-}
-
-/// Whether an end is a time with its date, or a date.
-fn is_time(text: &str) -> bool {
-    text.contains('-') && text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+')
 }
 
 fn say_when(when: &When) -> Result<()> {
@@ -308,8 +319,10 @@ impl Run<'_> {
     /// What is to be done of these lines.
     fn work(&self, lines: impl Iterator<Item = Result<FrameLine>>) -> Result<Work> {
         let mut work = Work::default();
+        let mut read = 0;
         for line in lines {
             let line = line?;
+            read += 1;
             let (only, shard) = (self.args.only.as_ref(), self.args.shard);
             if !self.sequence.is_wanted(line.index, only, shard) {
                 continue;
@@ -321,6 +334,14 @@ impl Run<'_> {
                     work.seconds += line.predicted_seconds;
                 }
             }
+        }
+        let count = self.sequence.when().count();
+        if read != count {
+            return Err(Error::input(
+                self.plan_file.display().to_string(),
+                format!("it has {read} frames and speaks of {count}"),
+                "delete it, and plan again",
+            ));
         }
         Ok(work)
     }
@@ -531,15 +552,16 @@ fn duration(seconds: f64) -> String {
 
 /// The command line that makes the frames of the whole sequence: without what chooses a part of it, how it is told, and what is made of
 /// them.
-fn command(arguments: Vec<String>) -> String {
+fn command(arguments: &[OsString]) -> String {
     const PARTS: [(&str, bool); 4] = [
         ("--only", true),
         ("--shard", true),
         ("--dry-run", false),
         ("--json", false),
     ];
-    let words = arguments.get(1..).unwrap_or_default();
-    let words = timelapse_film::without(words, &PARTS);
+    let words = arguments.iter().skip(1);
+    let words: Vec<String> = words.map(|w| w.to_string_lossy().into_owned()).collect();
+    let words = timelapse_film::without(&words, &PARTS);
     let words = timelapse_film::without(&words, &timelapse_film::FLAGS);
     format!("tyndall {}", cluster::shell_line(&words))
 }
@@ -562,7 +584,7 @@ mod tests {
 
     #[test]
     fn the_command_of_a_whole_sequence() {
-        let of = |words: &[&str]| command(words.iter().map(|w| (*w).to_owned()).collect());
+        let of = |words: &[&str]| command(&words.iter().map(OsString::from).collect::<Vec<_>>());
         let words = [
             "/usr/bin/tyndall",
             "timelapse",
@@ -584,15 +606,5 @@ mod tests {
             of(&words),
             "tyndall timelapse 'my scene.toml' -o 'out/{frame:04}.exr' --from sunrise-20m"
         );
-    }
-
-    #[test]
-    fn times_have_a_date() {
-        for text in ["2026-06-21T18:30", "2026-06-21", "-0500-01-01T00:00Z"] {
-            assert!(is_time(text), "{text}");
-        }
-        for text in ["18:30", "sunrise-20m", "now"] {
-            assert!(!is_time(text), "{text}");
-        }
     }
 }

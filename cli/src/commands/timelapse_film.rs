@@ -3,7 +3,9 @@
 use crate::plots::{contact_sheet, timelapse_curves, timelapse_page};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
+use std::ffi::OsString;
 use std::io::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use tyndall::output::{self, Format, atomic};
 use tyndall::task::Task;
@@ -11,7 +13,7 @@ use tyndall::timelapse::cluster::Job;
 use tyndall::timelapse::film::{self, Film, Maker};
 use tyndall::timelapse::frames::{Frames, Rate};
 use tyndall::timelapse::plan::{FrameLine, Header, Reader};
-use tyndall::timelapse::template::Template;
+use tyndall::timelapse::template::{self, Template};
 use tyndall::warning::Warning;
 use tyndall::{Error, Result};
 
@@ -126,8 +128,8 @@ impl FilmArgs {
         }
     }
 
-    /// Whether all that is wanted can be made: to be asked before frames are rendered. `partial` says that this process renders a part of
-    /// them only; `in_use` are files that are read or written otherwise.
+    /// Whether all that is wanted can be made of frames of these indices: to be asked before they are rendered. `partial` says that this
+    /// process renders a part of them only; `in_use` are files that are read or written otherwise.
     ///
     /// # Errors
     /// [`Error::Input`] for a film or sheet of frames without PNGs or of a part of them, for endings of other files and for files that are in
@@ -136,6 +138,7 @@ impl FilmArgs {
         &self,
         plan: &Path,
         outputs: &[Template],
+        indices: &Range<u64>,
         partial: bool,
         in_use: &[(PathBuf, &str)],
     ) -> Result<()> {
@@ -176,7 +179,11 @@ impl FilmArgs {
                 ));
             }
             output::check_apart(flag, &file, &in_use)?;
-            atomic::check(&file)?;
+            template::check_apart(outputs, indices, &[(file.clone(), what)])?;
+            // A job runs elsewhere.
+            if !self.emits() {
+                atomic::check(&file)?;
+            }
             in_use.push((file, what));
         }
         Ok(())
@@ -250,14 +257,26 @@ impl FilmArgs {
     /// Prints the job for a cluster: `arguments` are those of this process, its program first.
     ///
     /// # Errors
-    /// Those of [`Job::new`]; [`Error::File`] where standard output cannot be written, or the folder is not known.
-    pub fn emit(&self, name: &str, arguments: &[String], frames: u64) -> Result<()> {
+    /// Those of [`Job::new`]; [`Error::Input`] for an argument that is not UTF-8; [`Error::File`] where standard output cannot be written, or
+    /// the folder is not known.
+    pub fn emit(&self, name: &str, arguments: &[OsString], frames: u64) -> Result<()> {
         let Some(engine) = self.emit else {
             return Ok(());
         };
         let here = |e| Error::reading(Path::new("."), e);
         let folder = std::env::current_dir().map_err(here)?;
         let words = arguments.get(1..).unwrap_or_default();
+        let words = words.iter().map(|word| {
+            let text = word.to_str().ok_or_else(|| {
+                Error::input(
+                    format!("{}", word.display()),
+                    "it is not UTF-8, which no job holds",
+                    "rename the file or folder",
+                )
+            });
+            text.map(str::to_owned)
+        });
+        let words = &words.collect::<Result<Vec<_>>>()?[..];
         let program = match engine {
             // The one that is running; the image has its own.
             Engine::Slurm => std::env::current_exe().map_err(here)?.display().to_string(),
@@ -267,7 +286,7 @@ impl FilmArgs {
             let more = more.iter().map(|word| (*word).to_owned());
             [program.clone()]
                 .into_iter()
-                .chain(words)
+                .chain(before_flags(words))
                 .chain(more)
                 .collect::<Vec<_>>()
         };
@@ -318,11 +337,29 @@ fn png_of(outputs: &[Template]) -> Option<&Template> {
     outputs.iter().find(png)
 }
 
+/// Words of a command line that flags may follow: without a `--`, behind which they would be none. Of what is behind it, the scene's file, a
+/// name that begins like a flag is written as a path.
+fn before_flags(mut words: Vec<String>) -> Vec<String> {
+    if let Some(at) = words.iter().position(|word| word == "--") {
+        words.remove(at);
+        for word in &mut words[at..] {
+            if word.starts_with('-') {
+                word.insert_str(0, "./");
+            }
+        }
+    }
+    words
+}
+
 /// Words of a command line without some flags and their values.
 pub fn without(words: &[String], flags: &[(&str, bool)]) -> Vec<String> {
     let mut kept = Vec::new();
     let mut words = words.iter();
     while let Some(word) = words.next() {
+        if word == "--" {
+            kept.push(word.clone());
+            break;
+        }
         let name = word.split_once('=').map_or(&**word, |(name, _)| name);
         match flags.iter().find(|(flag, _)| *flag == name) {
             None => kept.push(word.clone()),
@@ -332,6 +369,8 @@ pub fn without(words: &[String], flags: &[(&str, bool)]) -> Vec<String> {
             Some(_) => {}
         }
     }
+    // No flags are behind a `--`.
+    kept.extend(words.cloned());
     kept
 }
 
@@ -348,6 +387,14 @@ mod tests {
         assert_eq!(
             without(&without(&all, &FLAGS), &OF_EMIT),
             words("timelapse a.toml -o out/#.png --size 9x9")
+        );
+        assert_eq!(
+            without(&words("timelapse --json -- --json"), &OF_EMIT),
+            words("timelapse -- --json")
+        );
+        assert_eq!(
+            before_flags(words("timelapse --size 9x9 -- -a.toml")),
+            words("timelapse --size 9x9 ./-a.toml")
         );
         assert_eq!(
             without(&all, &OF_EMIT),
