@@ -389,7 +389,10 @@ fn labels_that_are_off_are_found() {
                 (found - shift).abs() < 0.03,
                 "{place:?}: {found} for {shift}"
             );
-            // Without global irradiance.
+            // Without global irradiance; one shift, as each takes a second.
+            if shift != 0.5 {
+                continue;
+            }
             let lines = MadeUp {
                 shift,
                 ..made_up(place)

@@ -107,7 +107,7 @@ fn weather() -> String {
                 let diffuse = 120.0 * sine.max(0.0);
                 let global = diffuse + direct * sine.max(0.0);
                 text += &format!(
-                    "2001,{},{day},{hour},0,?,9,5,3,85,100220,0,0,323,{global:.1},{direct:.1},{diffuse:.1}\n",
+                    "2001,{},{day},{hour},0,?9,5,3,85,100220,0,0,323,{global:.1},{direct:.1},{diffuse:.1}\n",
                     month + 1
                 );
             }
