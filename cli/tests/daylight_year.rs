@@ -143,7 +143,7 @@ fn every_figure_of_the_page_stands_in_the_tables() {
             "daylight",
             "scene.toml",
             "--grid",
-            "plane=0.85,spacing=0.6,inset=0.5",
+            "plane=0.85,spacing=1.5,inset=0.5",
             "--weather",
             "made.epw",
             "--quality",
