@@ -6,7 +6,7 @@ use chrono::{NaiveDate, NaiveTime};
 use common::build::cuboid;
 use common::receive::{self, QUALITY, at};
 use common::rooms::{Room, WEATHER, room};
-use common::weather::{MadeUp, ULM, made_up};
+use common::weather::{MadeUp, ULM, line, made_up, told, with, with_columns};
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -33,30 +33,6 @@ fn read(text: &str) -> tyndall::Result<WeatherFile> {
 /// The hours of a sound file.
 fn hours(file: &WeatherFile) -> tyndall::Result<Hours> {
     Hours::new(file, 0.0, None, None)
-}
-
-/// Row of an hour in the lines of a file that begins on 1 January.
-fn line(day: usize, hour: usize) -> usize {
-    8 + 24 * (day - 1) + hour - 1
-}
-
-/// One field of a line is another.
-fn with(mut lines: Vec<String>, at: usize, column: usize, value: &str) -> String {
-    let mut fields: Vec<&str> = lines[at].split(',').collect();
-    fields[column] = value;
-    lines[at] = fields.join(",");
-    lines.join("\n")
-}
-
-/// Some columns are missing in all rows.
-fn with_columns(lines: &[String], columns: &[usize]) -> String {
-    let row = |line: &String| {
-        let mut fields: Vec<&str> = line.split(',').collect();
-        columns.iter().for_each(|column| fields[*column] = "9999");
-        fields.join(",")
-    };
-    let rows: Vec<String> = lines[8..].iter().map(row).collect();
-    [&lines[..8], &rows].concat().join("\n")
 }
 
 #[test]
@@ -173,12 +149,6 @@ fn sound_files_in_other_forms_are_read() {
     let summer = read(&summer).expect("it is sound");
     let is_summer = |month, day| summer.is_summer(tyndall::daylight::epw::Date { month, day });
     assert!(is_summer(3, 25) && is_summer(7, 1) && !is_summer(10, 28) && !is_summer(1, 1));
-}
-
-fn told(warnings: &[tyndall::Warning], what: &str) -> bool {
-    warnings
-        .iter()
-        .any(|warning| warning.to_string().contains(what))
 }
 
 #[test]

@@ -2,23 +2,10 @@
 
 mod common;
 
+use common::not_run;
 use serde_json::Value;
 use std::path::Path;
 use tyndall::backend::gpu::adapters;
-
-/// Notes that a test could not run and why, as the library's tests do.
-fn not_run(test: &str, reason: &str) {
-    eprintln!("not run: {test}: {reason}");
-    if let Some(path) = std::env::var_os("TYNDALL_NOT_RUN") {
-        use std::io::Write;
-        let file = std::fs::OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(path);
-        let written = file.and_then(|mut file| writeln!(file, "{test}\t{reason}"));
-        written.expect("the list of tests not run can be written");
-    }
-}
 
 /// Whether there is a graphics adapter; noted without one, a failure when `REQUIRE_GPU=1`.
 fn gpu(test: &str) -> bool {

@@ -1,5 +1,8 @@
 //! `tyndall sky` as a user types it.
 
+mod common;
+
+use common::not_run;
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
 
@@ -197,19 +200,6 @@ fn maps_are_in_the_units_asked_for_and_inside_their_gamut() {
     );
     for (a, b) in narrow.iter().zip(&wide) {
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
-    }
-}
-
-/// Notes a test that could not run, as `cargo xtask test` counts them.
-fn not_run(test: &str, reason: &str) {
-    eprintln!("{test} did not run: {reason}");
-    if let Some(list) = std::env::var_os("TYNDALL_NOT_RUN") {
-        let list = std::fs::OpenOptions::new()
-            .append(true)
-            .create(true)
-            .open(list);
-        writeln!(list.expect("the list can be opened"), "{test}\t{reason}")
-            .expect("it can be written");
     }
 }
 

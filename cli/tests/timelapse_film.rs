@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::timelapse::{SEQUENCE, not_run, python};
-use common::{stderr, tyndall};
+use common::timelapse::{SEQUENCE, python};
+use common::{not_run, stderr, tyndall};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;

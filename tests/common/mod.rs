@@ -7,6 +7,7 @@ pub mod files;
 pub mod flat;
 pub mod glazed;
 pub mod gltf;
+pub mod grids;
 pub mod judge;
 pub mod lamps;
 pub mod night;

@@ -88,3 +88,33 @@ impl MadeUp {
             .expect("it is sound")
     }
 }
+
+/// Row of an hour in the lines of a file that begins on 1 January.
+pub fn line(day: usize, hour: usize) -> usize {
+    8 + 24 * (day - 1) + hour - 1
+}
+
+/// One field of a line is another.
+pub fn with(mut lines: Vec<String>, at: usize, column: usize, value: &str) -> String {
+    let mut fields: Vec<&str> = lines[at].split(',').collect();
+    fields[column] = value;
+    lines[at] = fields.join(",");
+    lines.join("\n")
+}
+
+/// Some columns are missing in all rows.
+pub fn with_columns(lines: &[String], columns: &[usize]) -> String {
+    let row = |line: &String| {
+        let mut fields: Vec<&str> = line.split(',').collect();
+        columns.iter().for_each(|column| fields[*column] = "9999");
+        fields.join(",")
+    };
+    let rows: Vec<String> = lines[8..].iter().map(row).collect();
+    [&lines[..8], &rows].concat().join("\n")
+}
+
+pub fn told(warnings: &[tyndall::Warning], what: &str) -> bool {
+    warnings
+        .iter()
+        .any(|warning| warning.to_string().contains(what))
+}

@@ -22,6 +22,20 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// Notes that a test could not run and why, as the library's tests do.
+pub fn not_run(test: &str, reason: &str) {
+    eprintln!("not run: {test}: {reason}");
+    if let Some(path) = std::env::var_os("TYNDALL_NOT_RUN") {
+        use std::io::Write;
+        let file = std::fs::OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(path);
+        let written = file.and_then(|mut file| writeln!(file, "{test}\t{reason}"));
+        written.expect("the list of tests not run can be written");
+    }
+}
+
 /// Gives a program whose streams are piped a head and then `block` so many times, and lets it end: the most memory that it had by
 /// then [KiB], and the bytes that it printed.
 #[cfg(target_os = "linux")]

@@ -2,20 +2,6 @@
 
 use std::process::{Command, Stdio};
 
-/// Notes that a test could not run and why, as the library's tests do.
-pub fn not_run(test: &str, reason: &str) {
-    eprintln!("not run: {test}: {reason}");
-    if let Some(path) = std::env::var_os("TYNDALL_NOT_RUN") {
-        use std::io::Write;
-        let file = std::fs::OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(path);
-        let written = file.and_then(|mut file| writeln!(file, "{test}\t{reason}"));
-        written.expect("the list of tests not run can be written");
-    }
-}
-
 /// What a script prints in the Python of the test environment; nothing without it, or where it has not what the script imports.
 pub fn python(script: &str, input: &str) -> Option<String> {
     let python = std::env::var_os("TYNDALL_PYTHON")?;
