@@ -387,6 +387,10 @@ fn schema_and_example_know_the_same_keys() {
     for key in ["", ".material", ".transmittance", ".image", ".panes"] {
         used.insert(format!(".pane{key}"));
     }
+    // And so have reflectances by name.
+    for key in ["", ".name", ".reflectance"] {
+        used.insert(format!(".material{key}"));
+    }
     assert_eq!(known, used);
     assert!(!schema.to_string().contains("null"), "TOML has no null");
 }
