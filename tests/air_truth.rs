@@ -263,20 +263,20 @@ fn court(albedo: f64) -> View {
 
 #[test]
 fn the_air_of_a_slatted_room() {
-    compare(&slatted_room(), 1 << 18);
+    compare(&slatted_room(), 1 << 19);
 }
 
 #[test]
 fn the_air_between_columns() {
-    compare(&columns(), 1 << 16);
+    compare(&columns(), 1 << 17);
 }
 
 #[test]
 fn the_air_of_a_court_with_black_walls() {
-    compare(&court(0.0), 1 << 17);
+    compare(&court(0.0), 1 << 18);
 }
 
 #[test]
 fn the_air_of_a_court_with_grey_walls() {
-    compare(&court(0.5), 1 << 16);
+    compare(&court(0.5), 1 << 17);
 }
