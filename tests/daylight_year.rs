@@ -539,7 +539,7 @@ fn a_year_is_that_of_radiance() {
             let file = WeatherFile::read(&path).expect("it is sound");
             (file, each, [8, 16_384], [6, 4096], 0.02)
         }
-        _ => (made_up(ULM).read(), 240, [8, 16_384], [6, 4096], 0.03),
+        _ => (made_up(ULM).read(), 240, [8, 262_144], [6, 65_536], 0.03),
     };
     let sample = Sample {
         hours: some(&hours(&file).expect("it is sound"), each),
