@@ -36,7 +36,7 @@ fn hall(window: bool) -> Scene {
 #[test]
 fn an_eye_stands_in_the_hall_and_not_in_its_walls() {
     let scene = hall(true);
-    let found = indoors(&scene, &Geometry::new(&scene)).expect("there is a place");
+    let found = indoors(&scene, &Geometry::new(&scene), None).expect("there is a place");
     let camera = found.camera;
     let [x, y, z] = camera.eye.to_array();
     assert!(found.is_under_a_roof);
@@ -52,10 +52,10 @@ fn an_eye_stands_in_the_hall_and_not_in_its_walls() {
 fn a_sealed_void_is_no_place_unless_a_lamp_hangs_in_it() {
     let mut scene = hall(false);
     let geometry = Geometry::new(&scene);
-    let found = indoors(&scene, &geometry).expect("there is the roof");
+    let found = indoors(&scene, &geometry, None).expect("there is the roof");
     assert!(!found.is_under_a_roof && (found.camera.eye.y - 9.6).abs() < 1e-5);
     scene.lamps = vec![lamp(dvec3(0.0, 4.0, 0.0), 100.0, Distribution::Isotropic)];
-    let found = indoors(&scene, &geometry).expect("there is the hall");
+    let found = indoors(&scene, &geometry, None).expect("there is the hall");
     assert!(found.is_under_a_roof && (found.camera.eye.y - 1.6).abs() < 1e-5);
     // A wall alone has no floor.
     let mut wall = common::build::scene(

@@ -374,7 +374,6 @@ fn asked(
         },
         exposure: None,
         first: 1,
-        fps: None,
         command: String::new(),
     })
     .expect("a sequence")

@@ -4,12 +4,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 use tyndall::Error;
 use tyndall::backend::convergence::Convergence;
 use tyndall::backend::{Rendered, Step};
 use tyndall::conditions::Conditions;
 use tyndall::effect::{Contribution, Paid};
 use tyndall::plan::Plan;
+use tyndall::task::Task;
 use tyndall::timelapse::cluster;
 use tyndall::timelapse::film::Maker;
 use tyndall::warning::Warning;
@@ -125,6 +127,15 @@ pub fn bar() -> ProgressBar {
 pub fn step(bar: &ProgressBar, step: Step) {
     bar.set_message(step.stage);
     bar.set_position((1000.0 * step.share) as u64);
+}
+
+/// Shows what a task is doing, until `stop` is set.
+pub fn watched<T>(stop: Option<&AtomicBool>, work: impl FnOnce(Task) -> T) -> T {
+    let bar = bar();
+    let progress = |step: Step| self::step(&bar, step);
+    let result = work(Task::new(&progress, stop));
+    bar.finish_and_clear();
+    result
 }
 
 /// How long the stages of the work took.

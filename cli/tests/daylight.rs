@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{stderr, tyndall};
+use common::{quads_obj, stderr, tyndall};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::io::Write;
@@ -25,20 +25,12 @@ impl Scene {
     /// Quads of four corners each, and the rest of the scene file.
     fn new(quads: &[[[f64; 3]; 4]], sun: f64, rest: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut mesh = String::new();
-        for corner in quads.iter().flatten() {
-            mesh += &format!("v {} {} {}\n", corner[0], corner[1], corner[2]);
-        }
-        for i in 0..quads.len() {
-            let first = 4 * i + 1;
-            mesh += &format!("f {} {} {} {}\n", first, first + 1, first + 2, first + 3);
-        }
         let toml = format!(
             "mesh = \"mesh.obj\"\n[sun]\nazimuth = 180.0\nelevation = 30.0\nilluminance = {sun:?}\n\
              diameter = 0.0\n{rest}"
         );
         let scene = Scene { folder };
-        scene.write("mesh.obj", &mesh);
+        scene.write("mesh.obj", &quads_obj(quads));
         scene.write("scene.toml", &toml);
         scene
     }

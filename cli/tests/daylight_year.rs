@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{stderr, tyndall};
+use common::{quads_obj, stderr, tyndall};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -14,15 +14,7 @@ impl Folder {
     /// Quads of four corners each, and the scene file.
     fn new(quads: &[[[f64; 3]; 4]], toml: &str) -> Self {
         let folder = Folder(tempfile::tempdir().expect("a folder"));
-        let mut mesh = String::new();
-        for corner in quads.iter().flatten() {
-            mesh += &format!("v {} {} {}\n", corner[0], corner[1], corner[2]);
-        }
-        for i in 0..quads.len() {
-            let first = 4 * i + 1;
-            mesh += &format!("f {} {} {} {}\n", first, first + 1, first + 2, first + 3);
-        }
-        folder.write("mesh.obj", &mesh);
+        folder.write("mesh.obj", &quads_obj(quads));
         folder.write("scene.toml", &format!("mesh = \"mesh.obj\"\n{toml}"));
         folder
     }

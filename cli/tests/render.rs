@@ -2,44 +2,8 @@
 
 mod common;
 
-use common::{stderr, tyndall};
-use std::path::{Path, PathBuf};
-
-/// A table under a slatted roof, in haze, with a place and a time.
-fn scene(folder: &Path) -> PathBuf {
-    let mut obj = String::from("v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n");
-    for i in 0..4 {
-        let (x, first) = (-4.0 + 2.0 * f64::from(i), 5 + 4 * i);
-        obj += &format!(
-            "v {x} 3 -4\nv {x} 3 4\nv {x1} 3 4\nv {x1} 3 -4\nf {first} {} {} {}\n",
-            first + 1,
-            first + 2,
-            first + 3,
-            x1 = x + 1.2,
-        );
-    }
-    std::fs::write(folder.join("slats.obj"), obj).expect("the mesh is written");
-    let path = folder.join("slats.toml");
-    let text = r#"mesh = "slats.obj"
-time = "2026-06-21T18:30"
-[site]
-latitude = 48.8584
-longitude = 2.2945
-elevation = 35.0
-[camera]
-eye = [0.0, 1.2, 6.0]
-target = [0.0, 1.4, 0.0]
-fov_y = 60.0
-[picture]
-size = [48, 30]
-[[medium]]
-shape = "haze"
-top = 3.0
-scattering = 0.02
-"#;
-    std::fs::write(&path, text).expect("the scene is written");
-    path
-}
+use common::{slats, stderr, tyndall};
+use std::path::Path;
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a folder")
@@ -48,7 +12,7 @@ fn folder() -> tempfile::TempDir {
 #[test]
 fn a_picture_is_written_and_everything_is_said_on_standard_error() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     let output = tyndall(
         folder.path(),
         &["render", "slats.toml", "--report", "report.json"],
@@ -147,7 +111,7 @@ fn a_picture_is_written_and_everything_is_said_on_standard_error() {
 #[test]
 fn the_stages_are_all_of_the_time() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     let begin = std::time::Instant::now();
     let report = report(folder.path(), &["--samples", "4"]);
     let wall = begin.elapsed().as_secs_f64();
@@ -166,7 +130,7 @@ fn the_stages_are_all_of_the_time() {
 #[test]
 fn the_plain_way_says_how_far_it_is_from_converged() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     let flags = "--quality reference --size 24x15 --without radiosity --without air_sky";
     let flags: Vec<&str> = flags.split(' ').collect();
     let report = report(folder.path(), &flags);
@@ -197,7 +161,7 @@ fn report(folder: &Path, flags: &[&str]) -> serde_json::Value {
 #[test]
 fn the_same_command_makes_the_same_bytes() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     for name in ["a.exr", "b.exr"] {
         let output = tyndall(
             folder.path(),
@@ -212,7 +176,7 @@ fn the_same_command_makes_the_same_bytes() {
 #[test]
 fn what_the_user_must_change_is_status_2_and_says_how() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     std::fs::write(folder.path().join("bare.toml"), "mesh = \"slats.obj\"\n").expect("written");
     std::fs::write(
         folder.path().join("typo.toml"),
@@ -265,7 +229,7 @@ fn what_the_user_must_change_is_status_2_and_says_how() {
 #[test]
 fn work_that_fails_is_status_1() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     let output = tyndall(
         folder.path(),
         &["render", "slats.toml", "-o", "no/such/folder/a.png"],
@@ -289,7 +253,7 @@ fn work_that_fails_is_status_1() {
 #[test]
 fn quality_follows_the_error_or_the_time_that_is_asked_for() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     let chosen = |arguments: &[&str]| {
         let always = [
             "render",
@@ -333,7 +297,7 @@ fn quality_follows_the_error_or_the_time_that_is_asked_for() {
 #[test]
 fn no_haze_no_shafts_and_no_sun_no_sun_passes() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     let decisions = |arguments: &[&str]| {
         let output = tyndall(folder.path(), &[&["plan", "--json"], arguments].concat());
         assert!(output.status.success(), "{}", stderr(&output));
@@ -375,7 +339,7 @@ fn no_haze_no_shafts_and_no_sun_no_sun_passes() {
 #[test]
 fn the_table_of_the_plan_names_every_effect() {
     let folder = folder();
-    scene(folder.path());
+    slats(folder.path(), [48, 30]);
     let output = tyndall(folder.path(), &["plan", "slats.toml"]);
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     for name in [

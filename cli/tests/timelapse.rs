@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{stderr, tyndall};
+use common::{slats, stderr, tyndall};
 use std::collections::BTreeMap;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -14,36 +14,7 @@ use std::time::{Duration, Instant, SystemTime};
 /// A table under a slatted roof, in haze, with a place and a time; 16 x 10 pixels.
 fn scene() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut obj = String::from("v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n");
-    for i in 0..4 {
-        let (x, first) = (-4.0 + 2.0 * f64::from(i), 5 + 4 * i);
-        obj += &format!(
-            "v {x} 3 -4\nv {x} 3 4\nv {x1} 3 4\nv {x1} 3 -4\nf {first} {} {} {}\n",
-            first + 1,
-            first + 2,
-            first + 3,
-            x1 = x + 1.2,
-        );
-    }
-    std::fs::write(folder.path().join("slats.obj"), obj).expect("the mesh is written");
-    let text = r#"mesh = "slats.obj"
-time = "2026-06-21T18:30"
-[site]
-latitude = 48.8584
-longitude = 2.2945
-elevation = 35.0
-[camera]
-eye = [0.0, 1.2, 6.0]
-target = [0.0, 1.4, 0.0]
-fov_y = 60.0
-[picture]
-size = [16, 10]
-[[medium]]
-shape = "haze"
-top = 3.0
-scattering = 0.02
-"#;
-    std::fs::write(folder.path().join("slats.toml"), text).expect("the scene is written");
+    slats(folder.path(), [16, 10]);
     folder
 }
 

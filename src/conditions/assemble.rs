@@ -56,8 +56,8 @@ impl Conditions {
         let bytes = 700 * scene.mesh.triangles.len() as u64 + 8 * texels as u64;
         memory::check("the tree of the scene's triangles", bytes)?;
         let geometry = Arc::new(Geometry::new(&scene));
-        let (camera, chosen) = camera(&scene, &geometry, &request.camera, size)?;
         let height = ground_height(&scene, &geometry);
+        let (camera, chosen) = camera(&scene, (&geometry, height), &request.camera, size)?;
         checks::ground(&scene.ground, height)?;
         for (index, medium) in scene.media.iter().enumerate() {
             checks::medium(index, medium, height)?;
@@ -446,7 +446,7 @@ fn model(entry: &SkyEntry, albedo: f64) -> Result<Model> {
 /// The camera, and where it comes from.
 fn camera(
     scene: &Scene,
-    geometry: &Geometry,
+    (geometry, ground): (&Geometry, f64),
     choice: &CameraChoice,
     size: [u32; 2],
 ) -> Result<(Camera, String)> {
@@ -463,7 +463,8 @@ fn camera(
         CameraChoice::Given(camera) => (*camera, "given".to_owned()),
         CameraChoice::Inside => {
             bounds()?;
-            let found = indoors(scene, geometry).ok_or_else(|| {
+            let ground = scene.ground.enabled.then_some(ground);
+            let found = indoors(scene, geometry, ground).ok_or_else(|| {
                 Error::input(
                     "--camera inside",
                     "no floor of the scene has room for a person and light in sight",

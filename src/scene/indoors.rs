@@ -6,10 +6,11 @@
 //! and of these the one whose best view is widest: it looks far, and has openings in it without looking at nothing else.
 
 use super::{Camera, Geometry, Ray, Scene};
+use crate::sky::sun::fibonacci_sphere;
 use crate::units::DEG;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Columns along each side of the bounds.
 const COLUMNS: usize = 24;
@@ -51,15 +52,12 @@ pub struct Standpoint {
 }
 
 /// A camera that stands on a floor of a scene with light in sight: under a roof where there is such a place, in the open where there is
-/// none, `None` where no floor has light in sight. The same for the same scene.
-pub fn indoors(scene: &Scene, geometry: &Geometry) -> Option<Standpoint> {
+/// none, `None` where no floor has light in sight. `ground` is the height of the endless ground [m], where there is one. The same for the
+/// same scene.
+pub fn indoors(scene: &Scene, geometry: &Geometry, ground: Option<f64>) -> Option<Standpoint> {
     let (min, max) = scene.mesh.bounds()?;
     let size = max - min;
     let height = EYES.min(0.5 * size.y);
-    let ground = scene
-        .ground
-        .enabled
-        .then(|| scene.ground.height.unwrap_or(min.y));
     let place = |i: usize| {
         let share = |k: usize| (k as f64 + 0.5) / COLUMNS as f64;
         let (x, z) = (share(i % COLUMNS), share(i / COLUMNS));
@@ -68,7 +66,15 @@ pub fn indoors(scene: &Scene, geometry: &Geometry) -> Option<Standpoint> {
     let columns = (0..COLUMNS * COLUMNS).into_par_iter();
     let views: Vec<View> = columns
         .flat_map_iter(|i| floors(scene, geometry, place(i), ground, height))
-        .filter_map(|floor| view(scene, geometry, floor + height * DVec3::Y, height))
+        .filter_map(|floor| {
+            view(
+                scene,
+                geometry,
+                floor + height * DVec3::Y,
+                height,
+                ground.is_some(),
+            )
+        })
         .collect();
     // In the order of columns, so that the first of equals is always the same.
     let better = |a: &View, b: &View| (a.is_under_a_roof, a.value) > (b.is_under_a_roof, b.value);
@@ -123,30 +129,18 @@ fn floors(
     floors
 }
 
-/// Evenly spread directions over the sphere (Swinbank & Purser 2006).
-fn direction(i: usize) -> DVec3 {
-    let y = 1.0 - (2.0 * i as f64 + 1.0) / RAYS as f64;
-    let (sin, cos) = (i as f64 * PI * (3.0 - 5f64.sqrt())).sin_cos();
-    let level = (1.0 - y * y).sqrt();
-    DVec3::new(level * cos, y, level * sin)
-}
-
 /// The best view from an eye, if it has room around it and light in sight.
-fn view(scene: &Scene, geometry: &Geometry, eye: DVec3, height: f64) -> Option<View> {
+fn view(scene: &Scene, geometry: &Geometry, eye: DVec3, height: f64, ground: bool) -> Option<View> {
     let far = geometry.extent();
-    let ground = scene.ground.enabled;
     // How far each ray sees, and whether it meets nothing.
     let sights: Vec<(DVec3, f64, bool)> = (0..RAYS)
         .map(|i| {
             let ray = Ray {
                 origin: eye,
-                direction: direction(i),
+                direction: fibonacci_sphere(i, RAYS),
             };
             // What lets some light through is in nobody's way.
-            let met = match geometry.occluded(&ray, 0.0, f64::INFINITY) {
-                true => geometry.seen(&ray, 0.999_999),
-                false => None,
-            };
+            let (met, _) = geometry.met(&ray, 0.0, f64::INFINITY);
             let falls = ray.direction.y < 0.0 && ground;
             let distance = met.map_or(far, |hit| hit.distance.min(far));
             (ray.direction, distance, met.is_none() && !falls)

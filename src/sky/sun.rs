@@ -280,6 +280,14 @@ pub fn sunflower(count: usize) -> impl Iterator<Item = (f64, DVec2)> {
     })
 }
 
+/// The `i`th of `count` unit vectors that are spread evenly over the sphere, from +Y down: Fibonacci's lattice (Swinbank & Purser 2006).
+pub fn fibonacci_sphere(i: usize, count: usize) -> DVec3 {
+    let y = 1.0 - (2 * i + 1) as f64 / count as f64;
+    let (sin, cos) = (PI * (3.0 - 5f64.sqrt()) * i as f64).sin_cos();
+    let level = (1.0 - y * y).sqrt();
+    DVec3::new(level * cos, y, level * sin)
+}
+
 /// Luminance of the disc over its mean [1], per channel, at `rho` of its radius, 0 to 1; its mean over the disc is 1.
 ///
 /// mu^alpha (1 + alpha / 2) with mu = sqrt(1 - rho^2), alpha from [`LIMB_EXPONENT`].

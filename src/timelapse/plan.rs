@@ -47,8 +47,6 @@ pub struct Header {
     pub first: u64,
     /// The number of frames.
     pub frames: u64,
-    /// Frames a second of the film, as a fraction; absent where nobody said so.
-    pub fps: Option<[u32; 2]>,
     /// Width and height of the frames [pixels].
     pub size: [u32; 2],
     /// How the exposure was planned.
@@ -146,7 +144,6 @@ impl Header {
             step: _,
             first,
             frames,
-            fps: _,
             size,
             exposure,
             command: _,
@@ -308,7 +305,6 @@ mod tests {
             step: "every 30s".into(),
             first: 1,
             frames: 2,
-            fps: Some([24_000, 1001]),
             size: [320, 200],
             exposure: ExposurePlan::Curve(vec![KeyFrame {
                 index: 1,

@@ -41,8 +41,6 @@ pub struct Asked {
     pub exposure: Option<f64>,
     /// The index of the first frame.
     pub first: u64,
-    /// Frames a second of the film, as a fraction.
-    pub fps: Option<[u32; 2]>,
     /// The command line that makes the whole sequence.
     pub command: String,
 }
@@ -143,7 +141,6 @@ impl Sequence {
             space,
             exposure: fixed,
             first,
-            fps,
             command,
         } = &self.asked;
         let clock = match when.clock().name() {
@@ -179,7 +176,6 @@ impl Sequence {
             step: when.step().to_owned(),
             first: *first,
             frames: when.count(),
-            fps: *fps,
             size: conditions.view.size,
             exposure,
             command: command.clone(),

@@ -1,5 +1,6 @@
 //! `tyndall daylight --grid`: illuminance or daylight factors of sensors, as a table, as files and as a map.
 
+use super::daylight_files::{self, Kind};
 use crate::tables::columns;
 use crate::tables::daylight_batch::{LAYERS, Meter};
 use crate::tables::printer::As;
@@ -18,14 +19,6 @@ use tyndall::daylight::map::{self, Caption};
 use tyndall::output::scale::{Scale, short};
 use tyndall::output::{self, atomic};
 use tyndall::{Error, Result};
-
-/// The kinds of files that a grid is written to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Map,
-    Csv,
-    Json,
-}
 
 /// What is asked of a grid.
 pub struct Grid<'a> {
@@ -48,30 +41,12 @@ pub struct Grid<'a> {
 /// # Errors
 /// [`Error::Input`] for an ending that means nothing, for a file named twice, and for one that is in use.
 pub fn check(files: &[PathBuf], in_use: &[(PathBuf, &str)]) -> Result<()> {
-    for (i, file) in files.iter().enumerate() {
-        kind(file)?;
-        let before = files[..i]
-            .iter()
-            .map(|other| (other.clone(), "another of the files"));
-        let in_use: Vec<_> = in_use.iter().cloned().chain(before).collect();
-        output::check_apart("-o", file, &in_use)?;
-        atomic::check(file)?;
+    let mut in_use = in_use.to_vec();
+    for file in files {
+        Kind::of(file, false)?;
+        daylight_files::claim(file, &mut in_use)?;
     }
     Ok(())
-}
-
-fn kind(file: &Path) -> Result<Kind> {
-    let ending = file.extension().unwrap_or_default().to_string_lossy();
-    match ending.to_ascii_lowercase().as_str() {
-        "png" | "svg" => Ok(Kind::Map),
-        "csv" => Ok(Kind::Csv),
-        "json" => Ok(Kind::Json),
-        _ => Err(Error::input(
-            format!("-o {}", file.display()),
-            "the name does not say what to write",
-            "let it end in .png or .svg for a map, .csv or .json for numbers",
-        )),
-    }
 }
 
 /// What sensors receive, and what is shown of it.
@@ -91,14 +66,14 @@ pub fn tell(sensors: &Sensors) {
             "{}: {} sensors left out: they {}",
             left.plane, left.count, left.why
         );
-        eprintln!("{:<11}{}", "grid", tell::clean(&text));
+        tell::line("grid", text);
     }
     let planes = sensors.planes.len();
     let area = short(sensors.area());
     let count = sensors.points.len();
-    eprintln!(
-        "{:<11}{count} sensors on {planes} planes, {area} m2",
-        "grid"
+    tell::line(
+        "grid",
+        format!("{count} sensors on {planes} planes, {area} m2"),
     );
 }
 
@@ -132,12 +107,14 @@ pub fn run(grid: &Grid, meter: &mut Meter) -> Result<()> {
     let summaries = summaries(grid.sensors, &values);
     print(grid, &values, &summaries)?;
     for file in grid.files {
-        match kind(file)? {
+        match Kind::of(file, false)? {
             Kind::Map => draw(file, grid, conditions, &values)?,
             Kind::Csv => write(file, csv(grid, &values))?,
             Kind::Json => {
                 output::report::write(file, &report(grid, conditions, &values, &summaries))?
             }
+            // A moment has none, and its ending was refused.
+            Kind::Page => {}
         }
     }
     if !grid.files.is_empty() {

@@ -1,5 +1,6 @@
 //! `tyndall daylight --weather` and `--sun-hours`: a year of hours with its metrics, and the hours of sun on a day.
 
+use super::daylight_files::{self, Kind};
 use crate::arguments::form::FormArgs;
 use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::tables::printer::As;
@@ -28,7 +29,6 @@ use tyndall::output::scale::Scale;
 use tyndall::output::{self, atomic};
 use tyndall::plan::Plan;
 use tyndall::scene::{Camera, Scene};
-use tyndall::task::{Step, Task};
 use tyndall::{Error, Result};
 
 /// Flags that neither has a use for: weather and quality say all that they do.
@@ -155,30 +155,6 @@ pub struct Asked<'a> {
     pub form: FormArgs,
 }
 
-/// The kinds of files.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Map,
-    Csv,
-    Json,
-    Page,
-}
-
-fn kind(file: &Path) -> Result<Kind> {
-    let ending = file.extension().unwrap_or_default().to_string_lossy();
-    match ending.to_ascii_lowercase().as_str() {
-        "png" | "svg" => Ok(Kind::Map),
-        "csv" => Ok(Kind::Csv),
-        "json" => Ok(Kind::Json),
-        "html" | "htm" => Ok(Kind::Page),
-        _ => Err(Error::input(
-            format!("-o {}", file.display()),
-            "the name does not say what to write",
-            "let it end in .png or .svg for a map, .csv or .json for numbers, .html for a page",
-        )),
-    }
-}
-
 fn no_page(file: &Path) -> Error {
     Error::input(
         format!("-o {}", file.display()),
@@ -196,14 +172,12 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
     let mut in_use = asked.scene.files(&scene);
     in_use.extend(args.weather.iter().map(|f| (f.clone(), "the weather file")));
     for file in asked.files {
-        if kind(file)? == Kind::Page && args.sun_hours.is_some() {
+        if Kind::of(file, true)? == Kind::Page && args.sun_hours.is_some() {
             return Err(no_page(file));
         }
     }
     for file in asked.files.iter().chain(&args.hours) {
-        output::check_apart("-o", file, &in_use)?;
-        atomic::check(file)?;
-        in_use.push((file.clone(), "another of the files"));
+        daylight_files::claim(file, &mut in_use)?;
     }
     assumed::reflectances(&mut scene);
     match (&args.weather, args.sun_hours) {
@@ -211,15 +185,6 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
         (None, Some(date)) => of_day(args, asked, scene, date),
         (None, None) => Ok(()),
     }
-}
-
-/// Watches a task on the terminal.
-fn watched<T>(work: impl FnOnce(Task) -> Result<T>) -> Result<T> {
-    let bar = tell::bar();
-    let progress = |step: Step| tell::step(&bar, step);
-    let result = work(Task::new(&progress, None));
-    bar.finish_and_clear();
-    result
 }
 
 fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> Result<()> {
@@ -269,14 +234,16 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
         patches: args.patches,
         ..Fineness::new(overrules.quality, &overrules.set)
     };
-    let year = watched(|task| Year::new(&conditions, sensors.receivers(), &fineness, task))?;
+    let year = tell::watched(None, |task| {
+        Year::new(&conditions, sensors.receivers(), &fineness, task)
+    })?;
     done("coefficients");
     let clock = |hour: &tyndall::daylight::hours::Hour| {
         f64::from(hour.hour) - 0.5
             + hours.clock_shift_h()
             + f64::from(u8::from(file.is_summer(hour.date)))
     };
-    let table = watched(|task| year.table(&hours, clock, task))?;
+    let table = tell::watched(None, |task| year.table(&hours, clock, task))?;
     done("hours");
     let metrics = Metrics::new(&table, &year.factors(16)?);
     let quality = Line {
@@ -306,7 +273,7 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
         map::draw(&conditions.scene, &sensors, &values, &scale, &caption)
     };
     for path in asked.files {
-        match kind(path)? {
+        match Kind::of(path, true)? {
             Kind::Map => map(column, asked.scale).save(path)?,
             Kind::Csv => write(path, &report.sensors_csv())?,
             Kind::Json => output::report::write(path, &report)?,
@@ -410,10 +377,12 @@ fn of_day(args: &YearArgs, asked: &Asked, mut scene: Scene, date: NaiveDate) -> 
         ..Span::of_day(date)
     };
     let receivers = sensors.receivers();
-    let found = watched(|task| SunHours::new(&conditions, &receivers, &site, &zone, &span, task))?;
+    let found = tell::watched(None, |task| {
+        SunHours::new(&conditions, &receivers, &site, &zone, &span, task)
+    })?;
     let report = day_report(&sensors, &found, &span, &conditions, zone.name());
     for path in asked.files {
-        match kind(path)? {
+        match Kind::of(path, true)? {
             Kind::Map => {
                 let scale = scale_of("hours of sun_h", &found.hours, asked.scale);
                 let caption = Caption {

@@ -6,6 +6,7 @@ pub mod accuracy_radiosity;
 pub mod accuracy_shafts;
 pub mod completions;
 pub mod daylight;
+pub mod daylight_files;
 pub mod daylight_grid;
 pub mod daylight_year;
 pub mod doctor;

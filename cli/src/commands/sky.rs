@@ -13,6 +13,7 @@ use crate::tables::stdout;
 use crate::tell;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::backend::Backend;
@@ -201,8 +202,9 @@ fn say_clamped(frame: &Frame, space: &OutputSpace, formats: &[Format]) {
             continue;
         }
         let most = |i| unclamped.colour(own, frame.picture(i)).max_element();
-        let above = (0..frame.pixels()).map(most).filter(|m| *m > HALF_MOST);
-        let (count, most) = above.fold((0, 0.0), |(n, most), m| (n + 1, f64::max(most, m)));
+        let above = (0..frame.pixels()).into_par_iter().map(most);
+        let above = above.filter(|m| *m > HALF_MOST).map(|m| (1, m));
+        let (count, most) = above.reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
         let what = match (format, space.numbers.clamp_half) {
             (_, true) => "held there: the sun loses light",
             // Its programs read floats.
@@ -212,7 +214,10 @@ fn say_clamped(frame: &Frame, space: &OutputSpace, formats: &[Format]) {
             }
         };
         if count > 0 {
-            eprintln!("note       texels above {HALF_MOST}, of up to {most:.3e}: {count}, {what}");
+            tell::line(
+                "note",
+                format!("texels above {HALF_MOST}, of up to {most:.3e}: {count}, {what}"),
+            );
         }
     }
 }

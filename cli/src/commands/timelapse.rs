@@ -169,7 +169,6 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
         layers,
         space: args.picture.space(),
         first,
-        fps: None,
         command: command(&words),
     })?;
     let run = Run {
@@ -420,12 +419,8 @@ impl Run<'_> {
 
     /// Film, sheet, curves and page, of frames that are all there.
     fn film(&self) -> Result<serde_json::Value> {
-        let bar = tell::bar();
-        let progress = |step| tell::step(&bar, step);
-        let task = Task::new(&progress, self.limits.stop);
-        let made = self.args.film.make(self.plan_file, self.warnings, task);
-        bar.finish_and_clear();
-        made
+        let make = |task: Task| self.args.film.make(self.plan_file, self.warnings, task);
+        tell::watched(self.limits.stop, make)
     }
 
     /// The same, once they are known to be there and to be those of this command.

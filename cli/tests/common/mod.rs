@@ -5,7 +5,7 @@
 pub mod timelapse;
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output};
 
 /// Runs the program in a folder.
@@ -55,4 +55,56 @@ pub fn peak_memory(mut child: Child, head: &str, block: &str, times: usize) -> (
     assert!(child.wait().expect("it ends").success());
     let bytes = reader.join().expect("it reads").expect("all comes");
     (peak.expect("KiB"), bytes)
+}
+
+/// A table under a slatted roof, in haze, with a place and a time, of so many pixels.
+pub fn slats(folder: &Path, size: [u32; 2]) -> PathBuf {
+    let mut obj = String::from("v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n");
+    for i in 0..4 {
+        let (x, first) = (-4.0 + 2.0 * f64::from(i), 5 + 4 * i);
+        obj += &format!(
+            "v {x} 3 -4\nv {x} 3 4\nv {x1} 3 4\nv {x1} 3 -4\nf {first} {} {} {}\n",
+            first + 1,
+            first + 2,
+            first + 3,
+            x1 = x + 1.2,
+        );
+    }
+    std::fs::write(folder.join("slats.obj"), obj).expect("the mesh is written");
+    let path = folder.join("slats.toml");
+    let [width, height] = size;
+    let text = format!(
+        r#"mesh = "slats.obj"
+time = "2026-06-21T18:30"
+[site]
+latitude = 48.8584
+longitude = 2.2945
+elevation = 35.0
+[camera]
+eye = [0.0, 1.2, 6.0]
+target = [0.0, 1.4, 0.0]
+fov_y = 60.0
+[picture]
+size = [{width}, {height}]
+[[medium]]
+shape = "haze"
+top = 3.0
+scattering = 0.02
+"#
+    );
+    std::fs::write(&path, text).expect("the scene is written");
+    path
+}
+
+/// The OBJ file of quads of four corners each.
+pub fn quads_obj(quads: &[[[f64; 3]; 4]]) -> String {
+    let mut mesh = String::new();
+    for corner in quads.iter().flatten() {
+        mesh += &format!("v {} {} {}\n", corner[0], corner[1], corner[2]);
+    }
+    for i in 0..quads.len() {
+        let first = 4 * i + 1;
+        mesh += &format!("f {} {} {} {}\n", first, first + 1, first + 2, first + 3);
+    }
+    mesh
 }

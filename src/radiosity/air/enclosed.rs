@@ -15,8 +15,8 @@ use crate::radiosity::arrival::Arrival;
 use crate::radiosity::light::Light;
 use crate::radiosity::shards::Shards;
 use crate::scene::{Projection, Ray};
+use crate::sky::sun::fibonacci_sphere;
 use glam::{DVec2, DVec3};
-use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
 /// Corners that are seen from a place must carry this share of the weight, or what comes to the place itself is found too.
@@ -53,18 +53,14 @@ pub fn surroundings(conditions: &Conditions, eye: Eye, otherwise: f64) -> f64 {
         return otherwise;
     };
     let nearness = |i: usize| {
-        // Fibonacci's lattice on the sphere.
-        let y = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
-        let (sin, cos) = (PI * (3.0 - 5f64.sqrt()) * i as f64).sin_cos();
-        let level = (1.0 - y * y).sqrt();
-        let direction = DVec3::new(level * cos, y, level * sin);
+        let direction = fibonacci_sphere(i, DIRECTIONS);
         let hit = conditions
             .geometry
             .closest(&Ray { origin, direction }, 0.0, f64::INFINITY);
         let ground = conditions.ground.filter(|ground| origin.y > ground.height);
         match (hit, ground) {
             (Some(hit), _) => 1.0 / hit.distance,
-            (None, Some(ground)) if y < 0.0 => -y / (origin.y - ground.height),
+            (None, Some(ground)) if direction.y < 0.0 => -direction.y / (origin.y - ground.height),
             _ => 0.0,
         }
     };
