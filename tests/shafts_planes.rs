@@ -142,7 +142,7 @@ fn the_number_of_planes_does_not_change_the_energy() {
     }
     // Shadows are there or not for a whole slab, which is chance until slabs are thin.
     for view in [slats(1.0), gates(), antisolar()] {
-        let found = ratios(&view, &[301.0, 600.0, 1000.0]);
+        let found = ratios(&view, &[301.0, 1000.0]);
         assert!(within(&found, 0.01), "{}: {found:?}", view.name);
         assert!(
             !within(&ratios(&view, &[1.0, 2.0, 3.0, 4.0]), 0.01),
@@ -263,8 +263,11 @@ fn every_camera_and_every_size() {
         Projection::Orthographic { height: 5.0 },
         Projection::Panorama,
     ];
-    for view in [slats(1.0), colonnade(), fog_box(3.0, Phase::Rayleigh)] {
-        for projection in projections {
+    // Every size meets every camera, and every view; not each of the three each of the others.
+    let sizes = [[1, 1], [2, 1], [1, 7], [5, 3], [17, 1], [3, 5]];
+    let views = [slats(1.0), colonnade(), fog_box(3.0, Phase::Rayleigh)];
+    for (v, view) in views.iter().enumerate() {
+        for (p, projection) in projections.into_iter().enumerate() {
             let mut view = view.clone();
             view.camera.projection = projection;
             view.camera.shift = match projection {
@@ -275,7 +278,8 @@ fn every_camera_and_every_size() {
             let truth = by_reference(&conditions);
             let error = relative_rmse(&by_planes(&conditions, 600.0, 64.0).0, &truth);
             assert!(error < 0.04, "{} {projection:?}: {error}", view.name);
-            for size in [[1, 1], [2, 1], [1, 7], [5, 3], [17, 1]] {
+            let third = (v + p) % 3;
+            for size in [sizes[third], sizes[third + 3]] {
                 let conditions = seen(&view, size);
                 let truth = by_reference(&conditions);
                 // One plane is a value for all of the ray: no more is asked of it than that it is finite.

@@ -109,7 +109,8 @@ fn shards_in_any_number_make_the_same_bytes() {
     );
     let whole = frames(&folder.join("whole"));
     assert_eq!(whole.len(), 16);
-    for shards in [3, 5] {
+    // With sixteen, half of them have nothing to do.
+    for shards in [3, 16] {
         let name = format!("in_{shards}");
         let outputs = [format!("{name}/f_####.exr"), format!("{name}/f_####.png")];
         for shard in (1..=shards).rev() {
@@ -207,7 +208,10 @@ fn killed_at_any_time_it_loses_a_frame_at_most() {
     let out = folder.join("out");
     let mut there = 0;
     // Times of no pattern, from the first file to the last.
-    for (number, wait) in [5, 330, 700, 90, 160, 500].into_iter().enumerate() {
+    let waits = [
+        5, 330, 70, 90, 160, 25, 210, 1, 120, 50, 280, 15, 190, 35, 100, 240, 60, 140, 10, 300,
+    ];
+    for (number, wait) in waits.into_iter().enumerate() {
         let mut child = start(folder, &broken);
         if number > 0 {
             wait_for(&out.join("f.plan.jsonl"));
