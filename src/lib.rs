@@ -29,6 +29,40 @@
 //! # }
 //! ```
 //!
+//! Parts of it serve alone. Where the sun stands at a place and a time:
+//!
+//! ```
+//! use tyndall::ephemeris::{Site, Tier, Weather, civil::resolve, sun_position};
+//!
+//! # fn main() -> tyndall::Result<()> {
+//! let paris = Site::new(48.8584, 2.2945, 35.0)?;
+//! let evening = resolve("2026-06-21T18:30", None, Some(&paris), None)?; // by the clock of the place
+//! let sun = sun_position(Tier::Spa, &evening.instant, &paris, &Weather::standard(&paris));
+//! assert_eq!(format!("{:.1} {:.1}", sun.azimuth_deg(), sun.elevation_apparent_deg()), "271.2 30.9");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! and how bright the sky is, in any direction:
+//!
+//! ```
+//! use glam::DVec3;
+//! use tyndall::colour::luminance;
+//! use tyndall::sky::{Model, Sky, SunAt};
+//!
+//! # fn main() -> tyndall::Result<()> {
+//! let toward_sun = DVec3::new(0.0, 0.5, 0.75f64.sqrt()); // +Y is up, -Z north: 30 degrees high in the south
+//! let clear = Model::Perez { turbidity: 3.0, irradiance: None };
+//! let sky = Sky::new(clear, SunAt::unrefracted(toward_sun))?;
+//! let zenith = luminance(sky.radiance(DVec3::Y)); // cd/m2
+//! assert!((1_000.0..3_000.0).contains(&zenith));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Whole programs to begin with, in `examples/`: `sun_position`, `roof` (what sun, sky and ground give to a tilted roof in W/m2) and
+//! `own_scene` (a picture of one's own GLB in thirty lines); `cargo run --release --example roof`.
+//!
 //! # Where things are
 //!
 //! A module uses only what stands before it here; a test reads the `use` lines and fails otherwise.

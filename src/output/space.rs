@@ -1,6 +1,6 @@
 //! The colour space and the unit of what is written as EXR and HDR.
 
-use crate::colour::luminance;
+use crate::colour::{Space, luminance};
 use glam::{DMat3, DVec2, DVec3};
 
 /// What Radiance calls WHTEFFICACY [lm/W].
@@ -58,6 +58,18 @@ pub enum Units {
 pub const HALF_MOST: f64 = 65_504.0;
 
 impl OutputSpace {
+    /// What EXR and HDR take to hold colours of `space`.
+    pub fn new(space: Space, numbers: Numbers) -> Self {
+        let c = space.chromaticities();
+        OutputSpace {
+            name: space.name(),
+            from_working: space.from_working(),
+            primaries: [c.red, c.green, c.blue].map(Into::into),
+            white: c.white.into(),
+            numbers,
+        }
+    }
+
     /// What a luminance of 1 cd/m2 is in a file whose format has a unit of its own.
     pub fn per_candela(&self, own: Units) -> f64 {
         let unit = match self.numbers.units.unwrap_or(own) {

@@ -2,11 +2,10 @@
 //!
 //! Transforms are f64 throughout, so that a piece which a node puts a thousand kilometres away keeps its millimetres.
 
-use super::{Mesh, Part, Texture, Triangle, Wrap};
+use super::{Mesh, Part, Texture, Triangle, Wrap, texels};
 use crate::error::{Error, Result};
 use crate::warning::Warning;
 use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
-use image::ImageDecoder;
 
 /// A piece of geometry in axes of its own. `normals`, `uvs` and `colors` are empty or as long as `positions`.
 #[derive(Default, Clone)]
@@ -280,36 +279,13 @@ pub(super) fn most_texels(bytes: usize) -> u64 {
 }
 
 /// Decodes a PNG or JPEG; the error says what is wrong with it.
-///
-/// Decoders of other people's formats may panic on damaged files; that must not end the caller.
 pub(super) fn decode_image(name: &str, bytes: &[u8], wrap: [Wrap; 2]) -> Result<Texture, String> {
-    let most = most_texels(bytes.len());
-    let decode = || {
-        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|e| e.to_string())?;
-        // Sixteen bits in each of four channels, once.
-        let mut limits = image::Limits::default();
-        limits.max_alloc = Some(most.saturating_mul(8));
-        reader.limits(limits);
-        let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
-        let (width, height) = decoder.dimensions();
-        if u64::from(width) * u64::from(height) > most {
-            return Err(format!("{width} x {height} pixels are more than {most}"));
-        }
-        let picture = image::DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
-        Ok(picture.into_rgba8())
-    };
-    let picture = std::panic::catch_unwind(decode)
-        .unwrap_or_else(|_| Err("the picture is damaged".to_owned()))?;
-    if picture.is_empty() {
-        return Err("the picture has no pixels".to_owned());
-    }
+    let texels = texels::decode(bytes, most_texels(bytes.len()))?;
     Ok(Texture {
         name: name.to_owned(),
-        width: picture.width(),
-        height: picture.height(),
-        pixels: picture.pixels().map(|p| p.0).collect(),
+        width: texels.width,
+        height: texels.height,
+        pixels: texels.pixels,
         wrap,
     })
 }

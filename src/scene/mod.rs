@@ -43,6 +43,7 @@ mod polygon;
 mod reflectance;
 pub mod shade;
 mod share;
+pub(crate) mod texels;
 mod text;
 mod toml;
 pub mod tree;

@@ -98,7 +98,7 @@ impl PaneTable {
             let names = materials.iter().map(|m| m.name.as_str());
             let remedy = match nearest(&self.material, names) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => "the scene has no materials".to_owned(),
+                None => "the scene has no materials (an OBJ has those of the MTL files that its `mtllib` lines name)".to_owned(),
             };
             let problem = format!("the scene has no material `{}`", self.material);
             return Err(wrong("material", problem, &remedy));

@@ -2,6 +2,7 @@
 
 use super::template::Template;
 use crate::error::{Error, Result};
+use crate::scene::texels;
 use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
@@ -152,19 +153,25 @@ fn broken(path: &Path, error: &dyn fmt::Display) -> Error {
 }
 
 /// The pixels of a frame, three bytes each from the top left.
-pub(super) fn read_pixels(path: &Path, size: [u32; 2]) -> Result<Vec<u8>> {
-    let file = File::open(path).map_err(|e| Error::reading(path, e))?;
-    let file = BufReader::new(file);
-    let read = image::load(file, image::ImageFormat::Png).map_err(|e| broken(path, &e))?;
-    let picture = read.into_rgb8();
-    if [picture.width(), picture.height()] != size {
-        return Err(Error::input(
+///
+/// # Errors
+/// [`Error::File`] for one that is missing, [`Error::Input`] for one that is no whole PNG, or of another size.
+pub fn read_pixels(path: &Path, size: [u32; 2]) -> Result<Vec<u8>> {
+    let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+    let most = size.map(u64::from).iter().product();
+    let read = size_of(path).and_then(|found| match found == size {
+        true => texels::decode(&bytes, most).map_err(|e| broken(path, &e)),
+        false => Err(Error::input(
             path.display().to_string(),
             "its size changed while the film was made",
             "make the film again",
-        ));
-    }
-    Ok(picture.into_raw())
+        )),
+    })?;
+    Ok(read
+        .pixels
+        .iter()
+        .flat_map(|[r, g, b, _]| [*r, *g, *b])
+        .collect())
 }
 
 /// The next even number.

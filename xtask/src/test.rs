@@ -4,15 +4,18 @@
 //! `TYNDALL_NOT_RUN` names and passes; here it is taken from the passed ones and listed.
 
 mod apt;
+mod progress;
 mod python;
 mod slurm;
 mod vulkan;
 
+use progress::{Progress, text};
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
+use std::time::Instant;
 
 /// Runs the tests; `arguments` go to `cargo test`.
 pub fn run(arguments: Vec<String>) -> ExitCode {
@@ -32,15 +35,18 @@ fn run_all(arguments: Vec<String>) -> Result<bool, String> {
     let list = target.join("tests-not-run.txt");
     fs::write(&list, "").map_err(|e| format!("cannot write {}: {e}", list.display()))?;
 
+    let record = target.join("tests-took.txt");
+    announce(&target, &progress::kept(&record));
     vulkan::prepare();
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(cargo);
+    let mut command = Command::new(&cargo);
     command
-        .args(["test", "--release", "--workspace", "--no-fail-fast"])
-        .args(arguments)
+        .args(TEST)
+        .args(&arguments)
         .current_dir(crate::root())
         .env("TYNDALL_NOT_RUN", &list)
-        .stdout(Stdio::piped());
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     match python::prepare(&target) {
         Ok(python) => {
             command.env("TYNDALL_PYTHON", python);
@@ -55,6 +61,9 @@ fn run_all(arguments: Vec<String>) -> Result<bool, String> {
     if let Some(folder) = runtime_folder(&target) {
         command.env("XDG_RUNTIME_DIR", folder);
     }
+    let Some(suites) = compiled(Command::new(&cargo).args(TEST), &arguments)? else {
+        return Ok(false);
+    };
     // It ends with this function.
     let slurm = slurm::prepare(&target);
     match &slurm {
@@ -71,6 +80,9 @@ fn run_all(arguments: Vec<String>) -> Result<bool, String> {
     let mut child = command
         .spawn()
         .map_err(|e| format!("cargo does not start: {e}"))?;
+    let progress = Progress::new(suites, &progress::kept(&record));
+    let errors = child.stderr.take().expect("stderr is piped");
+    let watch = std::thread::spawn(move || watched(errors, progress));
     let mut count = Count::default();
     let mut output = BufReader::new(child.stdout.take().expect("stdout is piped"));
     let mut line = Vec::new();
@@ -81,6 +93,18 @@ fn run_all(arguments: Vec<String>) -> Result<bool, String> {
         line.clear();
     }
     let status = child.wait().map_err(|e| format!("cargo is lost: {e}"))?;
+    if let Ok(mut progress) = watch.join() {
+        // A run without a record is the same run.
+        let _ = fs::write(&record, progress.record());
+        let slowest = progress.slowest();
+        let slowest = slowest
+            .iter()
+            .map(|(name, s)| format!("{name} {}", text(*s)));
+        say(&format!(
+            "the slowest suites: {}",
+            slowest.collect::<Vec<_>>().join(", ")
+        ));
+    }
 
     let noted = fs::read_to_string(&list).unwrap_or_default();
     let not_run = count.not_run(&noted);
@@ -96,6 +120,81 @@ fn run_all(arguments: Vec<String>) -> Result<bool, String> {
     }
     println!("{}", count.summary(not_run.len()));
     Ok(status.success() && count.failures == 0)
+}
+
+/// The command that compiles and runs all tests.
+const TEST: [&str; 4] = ["test", "--release", "--workspace", "--no-fail-fast"];
+
+/// Says what will be installed, how large that is, and how long all takes.
+fn announce(target: &Path, record: &str) {
+    let needs = [vulkan::missing(), python::missing(target), slurm::missing()];
+    let needs: Vec<String> = needs.into_iter().flatten().collect();
+    match needs.is_empty() {
+        true => say("what the tests need is there"),
+        false => say(&format!("to be installed first: {}", needs.join("; "))),
+    }
+    let run = match progress::expected(record) {
+        Some(all) => format!("run, {} the last time", text(all)),
+        None => "run, about 25 minutes on two cores".into(),
+    };
+    say(&format!(
+        "then the tests are compiled (some 6 GB under {} and about 10 minutes on two cores where nothing is there yet) and {run}",
+        target.display()
+    ));
+}
+
+/// Compiles the tests: the files of their suites, documentation apart; nothing where they do not compile.
+fn compiled(cargo: &mut Command, arguments: &[String]) -> Result<Option<Vec<String>>, String> {
+    let arguments = arguments.split(|argument| argument == "--").next();
+    let arguments = arguments.unwrap_or_default();
+    // Examples in the documentation are compiled as they are run.
+    if arguments.iter().any(|argument| argument == "--doc") {
+        return Ok(Some(Vec::new()));
+    }
+    let begun = Instant::now();
+    let output = cargo
+        .args(arguments)
+        .args(["--no-run", "--message-format=json-render-diagnostics"])
+        .current_dir(crate::root())
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|e| format!("cargo does not start: {e}"))?;
+    if !output.status.success() {
+        println!("the tests do not compile ({})", output.status);
+        return Ok(None);
+    }
+    let told = String::from_utf8_lossy(&output.stdout);
+    let suites: Vec<String> = told.lines().filter_map(suite).collect();
+    say(&format!(
+        "{} suites, compiled in {}",
+        suites.len(),
+        text(begun.elapsed().as_secs_f64())
+    ));
+    Ok(Some(suites))
+}
+
+/// The file of the program of tests that a message of cargo's is about, from its package.
+fn suite(message: &str) -> Option<String> {
+    let told: serde_json::Value = serde_json::from_str(message).ok()?;
+    let is_suite = told["executable"].is_string() && told["profile"]["test"] == true;
+    let package = Path::new(told["manifest_path"].as_str()?).parent()?;
+    let file = Path::new(told["target"]["src_path"].as_str()?);
+    let file = file.strip_prefix(package).unwrap_or(file);
+    is_suite.then(|| file.display().to_string())
+}
+
+/// Passes on what cargo and the tests say on standard error, and says how far they are.
+fn watched(errors: impl Read, mut progress: Progress) -> Progress {
+    let mut errors = BufReader::new(errors);
+    let mut line = Vec::new();
+    while errors.read_until(b'\n', &mut line).is_ok_and(|n| n > 0) {
+        let _ = std::io::stderr().write_all(&line);
+        if let Some(far) = progress.read(&String::from_utf8_lossy(&line)) {
+            say(&far);
+        }
+        line.clear();
+    }
+    progress
 }
 
 /// What libtest reported, over all test binaries.
@@ -223,6 +322,25 @@ a test that prints 9 failed; and 8 passed
         assert_eq!(not_run.len(), 1);
         assert_eq!(not_run["tests::b"], "no GPU");
         assert_eq!(count.summary(1), "42 passed, 1 failed, 2 skipped");
+    }
+
+    #[test]
+    fn suites_are_programs_of_tests() {
+        let message = |executable: &str, test: bool| {
+            format!(
+                r#"{{"reason": "compiler-artifact", "manifest_path": "/x/cli/Cargo.toml", "executable": {executable},
+                "target": {{"src_path": "/x/cli/tests/sun.rs"}}, "profile": {{"test": {test}}}}}"#
+            )
+        };
+        let found = suite(&message("\"/x/target/sun\"", true));
+        assert_eq!(found.as_deref(), Some("tests/sun.rs"));
+        for other in [
+            message("\"/x/target/tyndall\"", false),
+            message("null", true),
+            "no JSON".into(),
+        ] {
+            assert_eq!(suite(&other), None, "{other}");
+        }
     }
 
     #[test]

@@ -119,14 +119,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 /// A colour space as the writers of EXR and HDR take it.
 pub fn output_space(space: Space, numbers: Numbers) -> OutputSpace {
-    let c = space.chromaticities();
-    OutputSpace {
-        name: space.name(),
-        from_working: space.from_working(),
-        primaries: [c.red, c.green, c.blue].map(Into::into),
-        white: c.white.into(),
-        numbers,
-    }
+    OutputSpace::new(space, numbers)
 }
 
 /// `auto` or an EV100.

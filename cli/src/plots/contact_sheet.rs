@@ -1,11 +1,9 @@
 //! The frames of a time-lapse on one sheet, each with its local time.
 
-use image::imageops::thumbnail;
-use std::path::Path;
 use tyndall::output::canvas::Color;
 use tyndall::output::drawing::{Drawing, PIXELS};
 use tyndall::output::lettering::Anchor;
-use tyndall::timelapse::frames::Frames;
+use tyndall::timelapse::frames::{Frames, read_pixels};
 use tyndall::timelapse::plan::FrameLine;
 use tyndall::{Error, Result};
 
@@ -53,10 +51,10 @@ pub fn draw(title: &str, frames: &Frames, lines: &[FrameLine]) -> Result<Drawing
     for (place, line) in shown.iter().enumerate() {
         let [column, at_row] = [place % columns, place / columns].map(|n| n as f64);
         let (x, y) = (MARGIN + column * (WIDTH + GAP), HEAD + at_row * row);
-        let picture = read(&frames.template.path(line.index))?;
+        let picture = read_pixels(&frames.template.path(line.index), [width, height])?;
         let narrow = 0.5 * (WIDTH - f64::from(small[0]) / PIXELS);
-        let shown = thumbnail(&picture, small[0], small[1]);
-        sheet.picture([x + narrow, y], small, shown.into_raw());
+        let shown = shrunk(&picture, [width, height], small);
+        sheet.picture([x + narrow, y], small, shown);
         let middle = y + high + 0.5 * LABEL;
         sheet.text([x, middle], 9.0, Anchor::Start, INK, clock.label(line));
         let index = line.index.to_string();
@@ -65,17 +63,29 @@ pub fn draw(title: &str, frames: &Frames, lines: &[FrameLine]) -> Result<Drawing
     Ok(sheet)
 }
 
-fn read(path: &Path) -> Result<image::RgbImage> {
-    let file = std::fs::File::open(path).map_err(|e| Error::reading(path, e))?;
-    let read = image::load(std::io::BufReader::new(file), image::ImageFormat::Png);
-    let wrong = |e| {
-        Error::input(
-            path.display().to_string(),
-            format!("it is no whole PNG: {e}"),
-            "delete it and make it again with `--only missing`",
-        )
+/// A picture of three bytes a pixel at another size: each pixel is the mean of those that it covers, one at least.
+fn shrunk(rgb: &[u8], [width, height]: [u32; 2], small: [u32; 2]) -> Vec<u8> {
+    let covered = |i: u32, of: u32, side: u32| {
+        let at = |i: u32| (u64::from(i) * u64::from(side) / u64::from(of)) as usize;
+        at(i)..at(i + 1).max(at(i) + 1)
     };
-    Ok(read.map_err(wrong)?.into_rgb8())
+    let mut shown = Vec::with_capacity(3 * small[0] as usize * small[1] as usize);
+    for y in 0..small[1] {
+        let rows = covered(y, small[1], height);
+        for x in 0..small[0] {
+            let columns = covered(x, small[0], width);
+            let count = (rows.len() * columns.len()) as u32;
+            let mut sum = [count / 2; 3];
+            for row in rows.clone() {
+                let from = 3 * row * width as usize;
+                for pixel in rgb[from..].as_chunks::<3>().0[columns.clone()].iter() {
+                    (0..3).for_each(|c| sum[c] += u32::from(pixel[c]));
+                }
+            }
+            shown.extend(sum.map(|sum| (sum / count) as u8));
+        }
+    }
+    shown
 }
 
 /// How much of a local time tells frames apart.
@@ -112,5 +122,22 @@ impl Clock {
             Clock::Seconds => part(11..19).to_owned(),
             Clock::Days => format!("{} {}", part(0..10), part(11..16)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_means_of_what_they_cover() {
+        let grey = |codes: &[u8]| codes.iter().flat_map(|c| [*c; 3]).collect::<Vec<u8>>();
+        let picture = grey(&[0, 10, 20, 31, 40, 50]);
+        assert_eq!(shrunk(&picture, [3, 2], [3, 2]), picture);
+        // Three columns in two: one, and two of them.
+        assert_eq!(shrunk(&picture, [3, 2], [2, 1]), grey(&[16, 30]));
+        assert_eq!(shrunk(&picture, [6, 1], [1, 1]), grey(&[25]));
+        // What is made larger repeats.
+        assert_eq!(shrunk(&grey(&[1, 2]), [2, 1], [4, 1]), grey(&[1, 1, 2, 2]));
     }
 }

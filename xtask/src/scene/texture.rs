@@ -108,14 +108,15 @@ fn picture(color: impl Fn(usize, usize) -> [f64; 3]) -> Vec<u8> {
     let pixels: Vec<u8> = (0..SIDE * SIDE)
         .flat_map(|i| color(i % SIDE, i / SIDE).map(step))
         .collect();
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::RgbImage::from_raw(SIDE as u32, SIDE as u32, pixels)
-        .expect("as many pixels as that")
-        .write_with_encoder(image::codecs::png::PngEncoder::new_with_quality(
-            &mut png,
-            image::codecs::png::CompressionType::Best,
-            image::codecs::png::FilterType::Adaptive,
-        ))
-        .expect("a PNG in memory");
-    png.into_inner()
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, SIDE as u32, SIDE as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::Adaptive);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(&pixels)?;
+        writer.finish()
+    });
+    written.expect("a PNG in memory");
+    bytes
 }

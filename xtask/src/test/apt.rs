@@ -32,6 +32,39 @@ pub fn install(packages: &[&str]) -> Result<(), String> {
     })
 }
 
+/// What of `packages` is to be installed, with what it takes; nothing where that is not allowed here, which [`install`] tells.
+pub fn plan(packages: &[&str]) -> Option<String> {
+    right()?;
+    let mut command = Command::new("apt-get");
+    command.args([
+        "install",
+        "--yes",
+        "--no-install-recommends",
+        "--print-uris",
+    ]);
+    let output = command.args(packages).stdin(Stdio::null()).output().ok()?;
+    let size = sizes(&String::from_utf8_lossy(&output.stdout));
+    let size = size.unwrap_or_else(|| "size unknown until the package lists are fetched".into());
+    Some(format!("{} ({size})", packages.join(" ")))
+}
+
+/// The two sizes that apt-get tells.
+fn sizes(said: &str) -> Option<String> {
+    let between = |from: &str, to: &str| {
+        let rest = &said[said.find(from)? + from.len()..];
+        Some(rest[..rest.find(to)?].to_owned())
+    };
+    let fetch = between("Need to get ", " of archives")?;
+    let fetch = fetch
+        .split('/')
+        .next()
+        .unwrap_or_default()
+        .trim()
+        .to_owned();
+    let disk = between("After this operation, ", " of additional")?;
+    Some(format!("{fetch} to fetch, {disk} on the disk"))
+}
+
 /// The words before apt-get's own arguments, if it is there and may be used.
 fn right() -> Option<&'static [&'static str]> {
     let works = |program: &str, arguments: &[&str]| {
@@ -55,5 +88,21 @@ fn right() -> Option<&'static [&'static str]> {
         ])
     } else {
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_those_that_apt_get_tells() {
+        let said = "Reading package lists...\nNeed to get 8,116 kB/45.3 MB of archives.\n\
+                    After this operation, 189 MB of additional disk space will be used.\n'http://x/a.deb' a.deb 1 SHA256:0\n";
+        assert_eq!(
+            sizes(said).as_deref(),
+            Some("8,116 kB to fetch, 189 MB on the disk")
+        );
+        assert_eq!(sizes("E: Unable to locate package"), None);
     }
 }

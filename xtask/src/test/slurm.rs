@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 /// The controller's port, and from the next on those of the nodes.
 const PORT: u16 = 16_820;
 
+const PACKAGES: [&str; 2] = ["slurm-wlm", "munge"];
+
 /// How long the daemons may take to be ready.
 const READY: Duration = Duration::from_secs(20);
 
@@ -23,15 +25,9 @@ pub struct Slurm {
 impl Slurm {
     /// Starts one, or says why not. `TYNDALL_SLURM` names its folder to the tests.
     pub fn start(target: &Path) -> Result<Self, String> {
-        if cfg!(not(target_os = "linux")) {
-            return Err("Slurm is tried on Linux only".into());
-        }
-        let id = Command::new("id").arg("-u").output();
-        if !id.is_ok_and(|id| id.stdout.trim_ascii() == b"0") {
-            return Err("a Slurm is started by root only".into());
-        }
+        may_start()?;
         if !present() {
-            apt::install(&["slurm-wlm", "munge"])?;
+            apt::install(&PACKAGES)?;
         }
         let folder = std::path::absolute(target.join("slurm"))
             .map_err(|e| format!("no folder for Slurm: {e}"))?;
@@ -155,6 +151,24 @@ impl Drop for Slurm {
     fn drop(&mut self) {
         self.end();
     }
+}
+
+/// Why none can be started here.
+fn may_start() -> Result<(), String> {
+    if cfg!(not(target_os = "linux")) {
+        return Err("Slurm is tried on Linux only".into());
+    }
+    let id = Command::new("id").arg("-u").output();
+    match id.is_ok_and(|id| id.stdout.trim_ascii() == b"0") {
+        true => Ok(()),
+        false => Err("a Slurm is started by root only".into()),
+    }
+}
+
+/// What [`prepare`] will install.
+pub fn missing() -> Option<String> {
+    let wanted = may_start().is_ok() && !present();
+    wanted.then(|| apt::plan(&PACKAGES)).flatten()
 }
 
 /// Whether the programs are there.

@@ -4,6 +4,15 @@ use super::{apt, say};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+/// The driver and its loader.
+const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
+
+/// What [`prepare`] will install.
+pub fn missing() -> Option<String> {
+    let wanted = cfg!(target_os = "linux") && !present();
+    wanted.then(|| apt::plan(&PACKAGES)).flatten()
+}
+
 /// Installs the driver where it is missing and may be installed, else says what to do.
 ///
 /// Without it the tests of the GPU say that they did not run, or fail when `REQUIRE_GPU=1`.
@@ -11,7 +20,7 @@ pub fn prepare() {
     if cfg!(not(target_os = "linux")) || present() {
         return;
     }
-    if let Err(problem) = apt::install(&["mesa-vulkan-drivers", "libvulkan1"]) {
+    if let Err(problem) = apt::install(&PACKAGES) {
         say(&problem);
         say(
             "Mesa's software Vulkan driver is missing; the GPU's tests use another driver if there is one, and do \
