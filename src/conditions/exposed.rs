@@ -68,12 +68,6 @@ impl Conditions {
             return None;
         }
         let eye = self.view.camera.eye;
-        if let Some(ground) = self.ground
-            && eye.y < ground.height
-        {
-            let below = ground.height - eye.y;
-            return Some(format!("the eye is {below:.2} m below the ground"));
-        }
         let passes = |direction: DVec3, far: f64| {
             let ray = Ray {
                 origin: eye,

@@ -29,7 +29,7 @@ const SCENES: [&str; 3] = ["room", "court", "hills"];
 const SIZE: [u32; 2] = [48, 32];
 
 /// What a setting takes in one of them, on two cores of a server [s].
-const SECONDS: f64 = 10.0;
+const SECONDS: f64 = 40.0;
 
 /// All measurements of a scene.
 struct Study {

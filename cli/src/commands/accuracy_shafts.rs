@@ -41,7 +41,7 @@ const SCENES: [&str; 3] = ["slats", "colonnade", "forest"];
 const SIZE: [u32; 2] = [512, 512];
 
 /// What a setting takes in one of them on a software adapter of two cores [s]; a graphics card takes a hundredth.
-const SECONDS: f64 = 10.0;
+const SECONDS: f64 = 15.0;
 
 /// All measurements of a scene.
 struct Study {

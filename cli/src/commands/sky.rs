@@ -24,7 +24,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::backend::Backend;
 use tyndall::colour::{self, Space, exposure, luminance, xyz_from_working};
-use tyndall::ephemeris::civil::{self, Moment};
+use tyndall::ephemeris::civil::{self, Moment, Zone};
 use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
 use tyndall::output::{self, Format, HALF_MOST, Numbers, OutputSpace, Units};
@@ -274,14 +274,19 @@ fn range(args: &SkyArgs, until: &str) -> Result<()> {
         ));
     };
     // A date alone begins with its first moment.
-    let utc = |text: &str| match civil::date_alone(text)? {
-        Some(date) => {
-            let zone = civil::zone_for(args.time.tz.as_deref(), site, date)?;
-            Ok(zone.day(date)?.0)
-        }
-        None => Ok(args.time.moment(text, Some(site))?.utc),
+    let read = |text: &str| -> Result<(DateTime<Utc>, Zone)> {
+        Ok(match civil::date_alone(text)? {
+            Some(date) => {
+                let zone = civil::zone_for(args.time.tz.as_deref(), site, date)?;
+                (zone.day(date)?.0, zone)
+            }
+            None => {
+                let moment = args.time.moment(text, Some(site))?;
+                (moment.utc, moment.clock)
+            }
+        })
     };
-    let (start, end): (DateTime<Utc>, DateTime<Utc>) = (utc(from)?, utc(until)?);
+    let ((start, clock), (end, _)) = (read(from)?, read(until)?);
     if end <= start {
         return Err(Error::input(
             "--until",
@@ -302,8 +307,12 @@ fn range(args: &SkyArgs, until: &str) -> Result<()> {
     }
     let row = |i: i64| {
         let utc = start + TimeDelta::milliseconds(i * milliseconds(step));
-        let moment = args.time.moment(&utc_text(utc), Some(site))?;
-        Ok(facts(args, &subject(args, Some(&moment))?))
+        let local = clock.local(utc).to_rfc3339();
+        let moment = args.time.moment(&local, Some(site))?;
+        let mut row = facts(args, &subject(args, Some(&moment))?);
+        // It was not written in this one.
+        row.insert("offset_from".into(), json!(clock.source()));
+        Ok(row)
     };
     let rows: Vec<Columns> = (0..count).into_par_iter().map(row).collect::<Result<_>>()?;
     if args.form.json || args.form.csv {

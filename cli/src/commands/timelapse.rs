@@ -68,7 +68,7 @@ pub struct TimelapseArgs {
     /// So many frames, with one at each end
     #[arg(long, value_name = "N", conflicts_with = "every")]
     frames: Option<u64>,
-    /// The frames' files, by their ending .png, .exr or .hdr, with {frame:04}, #### or %04d for the index; may be repeated
+    /// The frames' files, by their ending .png, .jpg, .exr or .hdr, with {frame:04}, #### or %04d for the index; may be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<String>,
     /// The index of the first frame

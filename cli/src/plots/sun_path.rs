@@ -18,7 +18,7 @@ const MARKED: Color = [0, 120, 85];
 const SUN: Color = [255, 200, 40];
 
 /// No more paths of dates than these are drawn: of a longer range some of them, evenly.
-const MOST_PATHS: usize = 31;
+const MOST_PATHS: usize = 13;
 
 /// Radius of the sun's mark.
 const MARK: f64 = 11.0;
@@ -140,7 +140,7 @@ pub fn draw(
         dates.retain(|date| date.year() == year.number);
         for date in &dates {
             let path = year.path(*date);
-            plot(&mut drawing, &path, project, wraps, 1.6, MARKED, None);
+            plot(&mut drawing, &path, project, wraps, 1.2, MARKED, None);
         }
         let mut room = room(number);
         if let Some(instant) = marked.instant {
@@ -631,32 +631,23 @@ fn legend(drawing: &mut Drawing, (year, clock): (&Year, &Zone), marked: &Marked)
         format!("solstice {}", december.format("%d/%m")),
     );
     entry(1.1, HOUR, Some([5.0, 3.0]), "hours".into());
-    let mut lines = Vec::new();
-    if let Some([first, last]) = marked.dates {
-        let text = match first == last {
-            true => first.to_string(),
-            false => format!("{first} to {last}"),
-        };
-        lines.push((MARKED, text));
-    }
-    if let Some(instant) = marked.instant {
-        let sun = year.at(instant);
-        let elevation = sun.elevation_apparent_deg();
-        let time = clock.local(instant).format("%Y-%m-%d %H:%M");
-        let text = match elevation < 0.0 {
-            true => format!(
-                "{time}: the sun is {:.1} degrees below the horizon",
-                -elevation
-            ),
-            false => format!(
-                "{time}: azimuth {:.1}, elevation {elevation:.1} degrees",
-                sun.azimuth_deg()
-            ),
-        };
-        lines.push((INK, text));
-    }
-    for (number, (color, text)) in lines.into_iter().enumerate() {
-        let at = [24.0, 110.0 + 22.0 * number as f64];
-        drawing.text(at, 15.0, Anchor::Start, color, text);
-    }
+    let (color, text) = match (marked.instant, marked.dates) {
+        (Some(instant), _) => {
+            let sun = year.at(instant);
+            let elevation = sun.elevation_apparent_deg();
+            let time = clock.local(instant).format("%Y-%m-%d %H:%M");
+            let place = match elevation < 0.0 {
+                true => format!("the sun is {:.1} degrees below the horizon", -elevation),
+                false => format!(
+                    "azimuth {:.1}, elevation {elevation:.1} degrees",
+                    sun.azimuth_deg()
+                ),
+            };
+            (INK, format!("{time}: {place}"))
+        }
+        (None, Some([first, last])) if first == last => (MARKED, first.to_string()),
+        (None, Some([first, last])) => (MARKED, format!("{first} to {last}")),
+        (None, None) => return,
+    };
+    drawing.text([24.0, 106.0], 15.0, Anchor::Start, color, text);
 }
