@@ -525,7 +525,7 @@ fn the_diagram_marks_the_sun_and_the_paths_of_dates() {
     assert_eq!((marks(&noon), paths(&noon)), (2, 2));
     assert!(
         noon.contains(">13:50<")
-            && noon.contains("2026-08-10 13:50: azimuth 179.")
+            && noon.contains("2026-08-10 13:50: azimuth 177.")
             && noon.contains(">10 Aug<")
     );
     let night = drawn(&["--time", "2026-08-10T23:50"]);
