@@ -260,6 +260,17 @@ pub enum Warning {
         /// Their numbers in the file's order, from 1 (clear air is not counted), and why.
         media: Vec<(usize, &'static str)>,
     },
+    /// A picture that is darker or brighter than pictures are.
+    OddExposure {
+        /// What it is called: `this picture`.
+        picture: String,
+        /// Its exposure as it is metered [EV100]; nothing of a black one.
+        ev100: Option<f64>,
+        /// Whether it is too dark, or else too bright.
+        is_dark: bool,
+        /// What the cause may be, one at least.
+        causes: Vec<String>,
+    },
     /// A clearness and brightness at which the Perez model's gradation or luminance has the wrong sign.
     PerezFitBreaks,
 }
@@ -378,6 +389,12 @@ impl Warning {
             }
             Warning::UnusedMedia { .. } => {
                 Some("leave them out, or give a coefficient above 0 and a place above the ground")
+            }
+            Warning::OddExposure { is_dark: true, .. } => Some(
+                "take another --time, another eye (--camera inside finds one), or a lamp; --exposure EV shows what there is",
+            ),
+            Warning::OddExposure { .. } => {
+                Some("check the unit (lx, cd/m2), or give --exposure EV")
             }
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
             Warning::WhollySeeThrough { .. } => {
@@ -628,6 +645,22 @@ impl fmt::Display for Warning {
                     .map(|(number, why)| format!("medium {number} ({why})"))
                     .collect();
                 write!(f, "media that add nothing: {}", listed(&list))
+            }
+            Warning::OddExposure {
+                picture,
+                ev100,
+                is_dark,
+                causes,
+            } => {
+                match is_dark {
+                    true => write!(f, "nothing lights {picture}: ")?,
+                    false => write!(f, "{picture} is brighter than snow in the sun: ")?,
+                }
+                f.write_str(&causes.join("; "))?;
+                match ev100 {
+                    Some(ev100) => write!(f, " (EV100 {ev100:.1})"),
+                    None => f.write_str(" (it is black)"),
+                }
             }
             Warning::PerezFitBreaks => f.write_str(
                 "the Perez fit breaks at this clearness and brightness (b > 0 or negative luminance): b is held at 0, luminance at 0 and above",

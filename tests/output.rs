@@ -11,8 +11,8 @@ use std::path::Path;
 use tyndall::colour::display;
 use tyndall::frame::{Field, Frame, Layer, NO_HIT};
 use tyndall::output::{
-    HALF_MOST, Numbers, OutputSpace, Units, atomic, check_targets, exr, hdr, png, report,
-    select_layers, space,
+    Format, HALF_MOST, Numbers, OutputSpace, Units, atomic, check_targets, exr, hdr, picture, png,
+    report, select_layers, space,
 };
 
 /// Linear Rec. 709, by the matrix of ITU-R BT.2087 inverted: dark Rec. 2020 greens become negative in it.
@@ -295,6 +295,40 @@ fn the_exr_holds_the_frame() {
             assert_eq!(found.channels["lights.G"], vec![0.0; frame.pixels()]);
         }
     }
+}
+
+#[test]
+fn a_jpeg_shows_what_the_png_shows_and_holds_its_key() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rgb = (0..96 * 48).map(|i| {
+        let (x, y) = ((i % 96) as f32 / 96.0, (i / 96) as f32 / 48.0);
+        100.0 * Vec3::new(0.2 + x, 0.3 + 0.5 * y, 0.9 - 0.5 * x)
+    });
+    let mut frame = Frame::map(96, 48, rgb.collect());
+    frame.record.set("key", "0123abc");
+    let paths = ["a.png", "a.jpg"].map(|name| folder.path().join(name));
+    for path in &paths {
+        let format = Format::of(path).expect("a format");
+        picture::write(path, format, &frame, &rec709(), &[], 7.0).expect("it is written");
+        assert_eq!(picture::key_of(path, format).as_deref(), Some("0123abc"));
+    }
+    let [png, jpeg] = paths
+        .each_ref()
+        .map(|path| image::open(path).expect("a picture").to_rgb8());
+    assert_eq!(png.dimensions(), jpeg.dimensions());
+    let pairs = png.as_raw().iter().zip(jpeg.as_raw());
+    let apart: Vec<f64> = pairs.map(|(a, b)| f64::from(a.abs_diff(*b))).collect();
+    let mean = apart.iter().sum::<f64>() / apart.len() as f64;
+    assert!(mean < 1.0, "{mean} codes in the mean");
+    assert!(apart.iter().all(|d| *d <= 8.0), "{apart:?}");
+    // What was cut off on the way is not the picture of any key.
+    let bytes = std::fs::read(&paths[1]).expect("it is there");
+    std::fs::write(&paths[1], &bytes[..bytes.len() - 2]).expect("it is written");
+    assert_eq!(picture::key_of(&paths[1], Format::Jpeg), None);
+    // A side has 16 bits there.
+    let wide = Frame::map(65_536, 1, vec![Vec3::ONE; 65_536]);
+    let refused = picture::write(&paths[1], Format::Jpeg, &wide, &rec709(), &[], 0.0);
+    assert!(refused.is_err_and(|e| e.is_input()));
 }
 
 #[test]

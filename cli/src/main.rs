@@ -14,8 +14,10 @@ mod arguments;
 mod commands;
 mod machine;
 mod plots;
+mod progress;
 mod signals;
 mod tables;
+mod targets;
 mod tell;
 
 use crate::commands::{
@@ -26,14 +28,31 @@ use clap::{CommandFactory, Parser, Subcommand};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use tell::Talk;
 use tyndall::Error;
 
 /// Where the sun stands, what the sky looks like, what light does in the air
 #[derive(Debug, Parser)]
 #[command(name = "tyndall", version)]
 struct Cli {
+    /// Say nothing on standard error but warnings and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Say more on standard error: every effect that does not run, and why
+    #[arg(short, long, global = true)]
+    verbose: bool,
     #[command(subcommand)]
     command: Command,
+}
+
+impl Cli {
+    fn talk(&self) -> Talk {
+        match (self.quiet, self.verbose) {
+            (true, _) => Talk::Quiet,
+            (_, true) => Talk::Verbose,
+            _ => Talk::Usual,
+        }
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -80,7 +99,10 @@ fn main() -> ExitCode {
     let arguments = std::env::args_os().map(|a| a.to_string_lossy().into_owned());
     check_values(&arguments.collect::<Vec<_>>());
     match Cli::try_parse() {
-        Ok(cli) => machine::run(move || run(cli.command)),
+        Ok(cli) => {
+            tell::set(cli.talk());
+            machine::run(move || run(cli.command))
+        }
         Err(said) => print(&said),
     }
 }

@@ -1,23 +1,55 @@
 //! What is said on standard error: what was understood, decided and done.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::progress::Bar;
 use serde_json::json;
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use tyndall::Error;
 use tyndall::backend::convergence::Convergence;
 use tyndall::backend::{Rendered, Step};
 use tyndall::conditions::Conditions;
 use tyndall::effect::{Contribution, Paid};
-use tyndall::plan::Plan;
+use tyndall::plan::{self, Overrules, Plan};
 use tyndall::task::Task;
 use tyndall::timelapse::cluster;
 use tyndall::timelapse::film::Maker;
 use tyndall::warning::Warning;
 
+/// How much is said beside warnings and errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Talk {
+    /// Nothing.
+    Quiet,
+    /// What people want to know.
+    #[default]
+    Usual,
+    /// All there is.
+    Verbose,
+}
+
+static TALK: OnceLock<Talk> = OnceLock::new();
+
+/// Says once, at the beginning, how much is said.
+pub fn set(talk: Talk) {
+    // Who comes second has no say.
+    let _ = TALK.set(talk);
+}
+
+fn talk() -> Talk {
+    TALK.get().copied().unwrap_or_default()
+}
+
 /// A line of what is said, with what it is about in front.
 pub fn line(label: &str, text: impl std::fmt::Display) {
+    if talk() != Talk::Quiet {
+        always(label, text);
+    }
+}
+
+/// A line that is said however little else is.
+fn always(label: &str, text: impl std::fmt::Display) {
     eprintln!("{label:<11}{}", clean(&text.to_string()));
 }
 
@@ -63,23 +95,45 @@ pub fn conditions(conditions: &Conditions) {
 /// What was left out, is doubtful or approximate, and what can be done about it.
 pub fn warnings(warnings: &[Warning]) {
     for warning in warnings {
-        line("warning", warning);
+        always("warning", warning);
         if let Some(advice) = warning.advice() {
-            line("", format!("help: {advice}"));
+            always("", format!("help: {advice}"));
         }
     }
 }
 
-/// Which effects run and why the others do not.
-pub fn plan(plan: &Plan, backend: &str) {
+/// Which effects run, and which do not that one might have expected: all of them with `--verbose`.
+///
+/// Expected is what could run and is left out, what the sun would do if it shone, and what a knob is set of.
+pub fn plan(plan: &Plan, overrules: &Overrules, backend: &str) {
     line("backend", backend);
     let running: Vec<&str> = plan.running().map(|step| step.effect.name).collect();
     line("effects", running.join(", "));
-    for step in plan.steps.iter().filter(|step| !step.decision.run) {
-        line(
-            "skipped",
-            format!("{}: {}", step.effect.name, step.decision.reason),
-        );
+    let missing = plan.conditions.sun.missing();
+    let is_set = |step: &plan::Step| {
+        let mut names = overrules
+            .set
+            .iter()
+            .filter_map(|(target, _)| target.split_once('.'));
+        let served = |name: &str| plan.running().any(|other| other.effect.is_called(name));
+        names.any(|(name, _)| step.effect.is_called(name) && !served(name))
+    };
+    let is_expected = |step: &&plan::Step| {
+        let reason = &*step.decision.reason;
+        talk() == Talk::Verbose || step.decision.possible || is_set(step) || missing == Some(reason)
+    };
+    // Those of one reason share a line.
+    let mut skipped: Vec<(&str, Vec<&str>)> = Vec::new();
+    let left_out = plan.steps.iter().filter(|step| !step.decision.run);
+    for step in left_out.filter(is_expected) {
+        let (name, reason) = (step.effect.name, &*step.decision.reason);
+        match skipped.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, names)) => names.push(name),
+            None => skipped.push((reason, vec![name])),
+        }
+    }
+    for (reason, names) in skipped {
+        line("skipped", format!("{}: {reason}", names.join(", ")));
     }
 }
 
@@ -115,27 +169,19 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// How far the work is, on a terminal and nowhere else.
-pub fn bar() -> ProgressBar {
-    ProgressBar::new(1000).with_style(
-        ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar()),
-    )
-}
-
-/// Shows what is being done, and how much of it is.
-pub fn step(bar: &ProgressBar, step: Step) {
-    bar.set_message(step.stage);
-    bar.set_position((1000.0 * step.share) as u64);
+/// Shows how far the work is, unless nothing is to be said.
+pub fn bar() -> Bar {
+    match talk() {
+        Talk::Quiet => Bar::Silent,
+        _ => Bar::new(|words| line("progress", words)),
+    }
 }
 
 /// Shows what a task is doing, until `stop` is set.
 pub fn watched<T>(stop: Option<&AtomicBool>, work: impl FnOnce(Task) -> T) -> T {
     let bar = bar();
-    let progress = |step: Step| self::step(&bar, step);
-    let result = work(Task::new(&progress, stop));
-    bar.finish_and_clear();
-    result
+    let progress = |step: Step| bar.step(step);
+    work(Task::new(&progress, stop))
 }
 
 /// How long the stages of the work took.
@@ -209,6 +255,9 @@ pub fn film(maker: &Maker, program: &[OsString]) {
 
 /// What was written.
 pub fn files(files: &[PathBuf]) {
+    if files.is_empty() {
+        return;
+    }
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     line("wrote", names.join(", "));
 }

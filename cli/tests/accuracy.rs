@@ -25,7 +25,11 @@ fn gpu(test: &str) -> bool {
 fn printed(folder: &Path, study: &[&str], more: &[&str]) -> String {
     let arguments = [&["accuracy", "--frames", "1"], study, more].concat();
     let output = common::tyndall(folder, &arguments);
-    assert!(output.status.success(), "{}", common::stderr(&output));
+    let said = common::stderr(&output);
+    assert!(output.status.success(), "{said}");
+    // What it will do, and for how long.
+    assert!(said.contains(" settings, 1 frames of each, in "), "{said}");
+    assert!(said.contains("; roughly "), "{said}");
     String::from_utf8(output.stdout).expect("the output is UTF-8")
 }
 
@@ -138,7 +142,9 @@ fn the_study_of_radiosity_has_its_table_its_plot_and_its_rows() {
         assert!(table.contains(words), "`{words}` is not in\n{table}");
     }
 
-    let json = printed(folder.path(), RADIOSITY, &["--json", "--plot", "cost.svg"]);
+    let plots = ["--json", "--plot", "cost.svg", "--plot", "cost.png"];
+    let json = printed(folder.path(), RADIOSITY, &plots);
+    assert!(image::open(folder.path().join("cost-court.png")).is_ok());
     let plot = std::fs::read_to_string(folder.path().join("cost-court.svg")).expect("a plot");
     assert!(plot.contains("Light from sky and surfaces: court"));
     let json: Value = serde_json::from_str(&json).expect("it is JSON");

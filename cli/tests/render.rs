@@ -206,7 +206,7 @@ fn what_the_user_must_change_is_status_2_and_says_how() {
             &["slats.toml", "--layers", "inscater_sun"],
             &["inscatter_sun"],
         ),
-        (&["slats.toml", "-o", "picture.jpg"], &[".png"]),
+        (&["slats.toml", "-o", "picture.tif"], &[".png"]),
         (&["slats.toml", "--camera", "north"], &["--camera inside"]),
         (&["slats.toml", "--sky", "blue"], &["perez"]),
     ];

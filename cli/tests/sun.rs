@@ -460,12 +460,83 @@ fn diagrams_are_drawn_everywhere() {
         assert!(output.status.success(), "{}", stderr(&output));
         let text = std::fs::read_to_string(&svg).expect("the SVG");
         assert!(text.starts_with("<svg") && text.ends_with("</svg>\n") && !text.contains("NaN"));
+        assert_eq!(collisions(&text), [""; 0], "{at}");
         let picture = image::open(&png).expect("the PNG").to_rgb8();
         // Ink is there, and most of the paper is white.
         let white = picture.pixels().filter(|p| p.0 == [255; 3]).count() as f64
             / (picture.width() * picture.height()) as f64;
         assert!((0.5..0.99).contains(&white), "{at}: {white}");
     }
+}
+
+/// Words of a chart that are in each other's way.
+fn collisions(svg: &str) -> Vec<String> {
+    let value = |line: &str, name: &str| -> f64 {
+        let rest = line
+            .split(&format!(" {name}=\""))
+            .nth(1)
+            .expect("the attribute");
+        let number = rest.split('"').next().expect("its end");
+        number.parse().expect("a number")
+    };
+    let words = svg.lines().filter(|line| line.starts_with("<text"));
+    let middle = words.filter(|line| line.contains("\"middle\""));
+    let areas: Vec<([f64; 4], &str)> = middle
+        .map(|line| {
+            let [x, y, size] = ["x", "y", "font-size"].map(|name| value(line, name));
+            let text = line.split('>').nth(1).expect("words");
+            let text = text.split('<').next().expect("their end");
+            // Digits are about half as wide as they are high.
+            let half = 0.25 * size * text.chars().count() as f64;
+            ([x - half, y - 0.7 * size, x + half, y], text)
+        })
+        .collect();
+    let mut found = Vec::new();
+    for (i, (a, first)) in areas.iter().enumerate() {
+        for (b, second) in &areas[..i] {
+            if a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3] {
+                found.push(format!("{first} and {second}"));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_diagram_marks_the_sun_and_the_paths_of_dates() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let svg = folder.path().join("a.svg");
+    let drawn = |more: &[&str]| {
+        let usual = ["sun", "--at", "48.8584,2.2945", "--plot"];
+        let path = [svg.to_str().expect("a name")];
+        let output = tyndall(&[&usual[..], &path, more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let text = std::fs::read_to_string(&svg).expect("the SVG");
+        assert_eq!(collisions(&text), [""; 0], "{more:?}");
+        text
+    };
+    let marks = |text: &str| text.matches("<polygon").count();
+    let paths = |text: &str| text.matches("stroke=\"#007855\"").count();
+    let plain = drawn(&[]);
+    assert_eq!((marks(&plain), paths(&plain)), (0, 0));
+    assert!(plain.contains("48.8584°N, 2.2945°E"), "{plain}");
+    let noon = drawn(&["--time", "2026-08-10T13:50"]);
+    // In both charts, with its path.
+    assert_eq!((marks(&noon), paths(&noon)), (2, 2));
+    assert!(
+        noon.contains(">13:50<")
+            && noon.contains("2026-08-10 13:50: azimuth 177.")
+            && noon.contains(">10 Aug<")
+    );
+    let night = drawn(&["--time", "2026-08-10T23:50"]);
+    assert_eq!(marks(&night), 0);
+    assert!(night.contains("below the horizon"));
+    let week = drawn(&["--time", "2026-02-01", "--until", "2026-02-08"]);
+    assert_eq!((marks(&week), paths(&week)), (0, 14));
+    assert!(week.contains(">2026-02-01 to 2026-02-07<"));
+    // A few of them, where they are many.
+    let months = drawn(&["--time", "2026-02-01", "--until", "2026-08-01"]);
+    assert_eq!(paths(&months), 2 * 13);
 }
 
 #[test]

@@ -44,6 +44,47 @@ fn completions_know_the_commands() {
 }
 
 #[test]
+fn completions_offer_values() {
+    for shell in ["bash", "fish", "zsh"] {
+        let output = tyndall(&["completions", shell]);
+        let script = stdout(&output);
+        for value in [
+            "draft",
+            "reference",
+            "cie:12",
+            "hosek",
+            "radiosity",
+            "shafts",
+            "Europe/Paris",
+            "nave",
+            "ephemeris",
+            "acescg",
+            "arcsecond",
+            "inscatter_sun",
+        ] {
+            assert!(
+                script.contains(value),
+                "{value} is not in the script for {shell}"
+            );
+        }
+    }
+    // What completes is not all that is taken.
+    let output = tyndall(&[
+        "sun",
+        "--at",
+        "0,0",
+        "--tz",
+        "+5:30",
+        "--time",
+        "2026-06-21",
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    // Two hundred lines of zones would be no help.
+    let help = tyndall(&["sun", "--help"]);
+    assert!(!stdout(&help).contains("Europe/Paris"));
+}
+
+#[test]
 fn manual_pages_are_printed() {
     let program = tyndall(&["man"]);
     assert_eq!(program.status.code(), Some(0));
@@ -51,6 +92,18 @@ fn manual_pages_are_printed() {
     let page = tyndall(&["man", "doctor"]);
     assert!(stdout(&page).contains(".TH tyndall-doctor 1"));
     assert!(stdout(&page).contains("JSON"));
+    let page = tyndall(&["man", "render"]);
+    let page = stdout(&page).replace('\\', "");
+    for words in [
+        "[--quality QUALITY]",
+        "[-o|--output FILE|-]",
+        "[SCENE]",
+        "EXIT STATUS",
+        "\n75\n",
+        "\n130\n",
+    ] {
+        assert!(page.contains(words), "{words}: {page}");
+    }
     let output = tyndall(&["man", "docter"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(output.stdout.is_empty() && !output.stderr.is_empty());

@@ -108,6 +108,7 @@ fn only<'c>(plan: &Plan<'c>, fields: &[Field], share: f64) -> Plan<'c> {
     Plan {
         conditions: plan.conditions,
         tolerance: plan.tolerance,
+        method: plan.method,
         steps,
     }
 }

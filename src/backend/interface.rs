@@ -94,7 +94,8 @@ impl Backend {
             Backend::Gpu(_) => method.map_or("none", |method| method.name()),
         };
         record.set("method", method);
-        for step in plan.running() {
+        // Those that do not run now too: no attribute of a file comes and goes in a sequence.
+        for step in plan.counted() {
             for (knob, value) in &step.settings {
                 record.set(format!("{}.{knob}", step.effect.name), *value);
             }

@@ -1,7 +1,7 @@
 //! From a scene and what is asked of it to conditions.
 
 use super::received::Lit;
-use super::request::{CameraChoice, Request};
+use super::request::{CameraChoice, DEFAULT_SIZE, Request};
 use super::{
     Conditions, GroundPlane, Lamp, Receivers, Sun, View, checks, toward, typical_luminance, unused,
 };
@@ -48,7 +48,7 @@ impl Conditions {
     /// contradicts itself, [`Error::Failed`] where there is not enough memory for the scene's tree.
     pub fn new(scene: impl Into<Arc<Scene>>, request: &Request) -> Result<Self> {
         let scene: Arc<Scene> = scene.into();
-        let size = request.size.or(scene.picture.size).unwrap_or([960, 600]);
+        let size = request.size.or(scene.picture.size).unwrap_or(DEFAULT_SIZE);
         let samples = request.samples.or(scene.picture.samples).unwrap_or(1);
         checks::picture(size, samples)?;
         // Corners, bounding volumes of both trees, and what building them takes for a while.

@@ -19,16 +19,11 @@ impl Conditions {
         )];
         if let Some(instant) = &self.instant {
             let (site, moment) = (&instant.site, &instant.moment);
-            let letter = |value: f64, positive: char, negative: char| {
-                let letter = if value < 0.0 { negative } else { positive };
-                format!("{}{letter}", value.abs())
-            };
             lines.push((
                 "place",
                 format!(
-                    "{} {}, {} m above the sea",
-                    letter(site.latitude_deg(), 'N', 'S'),
-                    letter(site.longitude_deg(), 'E', 'W'),
+                    "{}, {} m above the sea",
+                    site.coordinates(),
                     site.elevation()
                 ),
             ));
@@ -133,7 +128,8 @@ impl Conditions {
                 (2.0 * self.sun.angular_radius() / DEG).into(),
             ));
         }
-        if !self.lamps.is_empty() {
+        // None shine where all are too faint now, which is a number too: no fact comes and goes with the hour.
+        if !self.all_lamps.is_empty() {
             facts.push(("lamps", (self.lamps.len() as f64).into()));
             let flux: f64 = self.lamps.iter().map(Lamp::flux).sum();
             facts.push(("lamps_flux_lm", flux.into()));

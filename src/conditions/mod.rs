@@ -5,6 +5,7 @@
 mod assemble;
 mod brightest;
 mod checks;
+pub mod exposed;
 mod faces;
 mod inputs;
 pub mod lamps;
@@ -24,11 +25,12 @@ pub use inputs::{Input, Snapshot};
 pub use lamps::Lamp;
 pub use penumbra::{DiscInAir, Told};
 pub(crate) use received::Lit;
-pub use request::{CameraChoice, Request};
+pub use request::{CameraChoice, DEFAULT_SIZE, Request};
 pub use sun::Sun;
 pub use view::{Receiver, Receivers, View, sample_positions, spread};
 
 use crate::colour::luminance;
+use crate::frame::Field;
 use crate::medium::{Air, Shape};
 use crate::scene::{Geometry, Scene};
 use crate::sky::Sky;
@@ -107,6 +109,24 @@ impl Conditions {
     /// Whether anything gives light: sky, sun or lamps.
     pub fn is_lit(&self) -> bool {
         self.sky.is_some() || self.sun.shines() || !self.lamps.is_empty()
+    }
+
+    /// Whether a picture of the scene can hold anything in a field, whatever the hour: what has to be there for that is there at all hours.
+    pub fn may_hold(&self, field: Field) -> bool {
+        let natural = self.sky.is_some() || self.sun != Sun::ABSENT;
+        let air = !self.air.media.is_empty();
+        let lamps = !self.all_lamps.is_empty() || !self.scene.emissions.is_empty();
+        match field {
+            Field::Surface | Field::Indirect => true,
+            Field::Transmittance => air || self.geometry.panes().is_some(),
+            Field::Sun => self.sun != Sun::ABSENT,
+            Field::Sky => self.sky.is_some(),
+            Field::Lights => lamps,
+            Field::Background => natural,
+            Field::InscatterSun => air && self.sun != Sun::ABSENT,
+            Field::InscatterSky => air,
+            Field::InscatterLights => air && lamps,
+        }
     }
 
     /// A typical illuminance by lamps [lx]: theirs where the eye is, each as if it shone that way with all its strength, from a metre

@@ -4,10 +4,13 @@ use crate::ephemeris::civil::Fold;
 use crate::ephemeris::{Tier, TimeScale};
 use crate::scene::Camera;
 
+/// Width and height of a picture where nobody says [pixels].
+pub const DEFAULT_SIZE: [u32; 2] = [960, 600];
+
 /// What is asked of a scene beside what it says itself.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
-    /// Width and height of the picture [pixels]; absent: the scene's, or 960 x 600.
+    /// Width and height of the picture [pixels]; absent: the scene's, or [`DEFAULT_SIZE`].
     pub size: Option<[u32; 2]>,
     /// Rays through pixels that differ from a neighbour; absent: the scene's, or 1.
     pub samples: Option<u32>,

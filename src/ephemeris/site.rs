@@ -54,6 +54,8 @@ impl Site {
             ));
         }
         let wrapped = (longitude_deg + 180.0).rem_euclid(360.0) - 180.0;
+        // 202.6 degrees are -157.4, not -157.39999999999998.
+        let wrapped = (wrapped * 1e11).round() / 1e11;
         // What is in range already keeps all its bits.
         let longitude_deg = if (-180.0..180.0).contains(&longitude_deg) {
             longitude_deg
@@ -82,6 +84,11 @@ impl Site {
         self.latitude_deg
     }
 
+    /// Latitude and longitude as people write them ([`coordinates`]).
+    pub fn coordinates(&self) -> String {
+        coordinates(self.latitude_deg, self.longitude_deg)
+    }
+
     /// The longitude [degrees], east positive, in [-180, 180).
     pub fn longitude_deg(&self) -> f64 {
         self.longitude_deg
@@ -93,6 +100,16 @@ impl Site {
     }
 }
 
+/// Latitude and longitude [degrees] as people write them: `48.8584°N, 2.2945°E`, to a millionth of a degree, 0.1 m on the ground.
+pub fn coordinates(latitude_deg: f64, longitude_deg: f64) -> String {
+    let degrees = |value: f64, letters: [char; 2]| {
+        let size = (value.abs() * 1e6).round() / 1e6;
+        format!("{size}°{}", letters[usize::from(value < 0.0)])
+    };
+    let north = degrees(latitude_deg, ['N', 'S']);
+    format!("{north}, {}", degrees(longitude_deg, ['E', 'W']))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,6 +119,9 @@ mod tests {
         assert_eq!(Site::new(0.0, 540.0, 0.0).unwrap().longitude_deg(), -180.0);
         assert_eq!(Site::new(0.0, 180.0, 0.0).unwrap().longitude_deg(), -180.0);
         assert_eq!(Site::new(0.0, -190.0, 0.0).unwrap().longitude_deg(), 170.0);
+        assert_eq!(Site::new(0.0, 202.6, 0.0).unwrap().longitude_deg(), -157.4);
+        let site = Site::new(-(20.0 + 1.0 / 3.0), 202.6, 0.0).unwrap();
+        assert_eq!(site.coordinates(), "20.333333°S, 157.4°W");
         assert!(
             (-180.0..180.0).contains(&Site::new(0.0, -180.0 - 1e-14, 0.0).unwrap().longitude_deg())
         );

@@ -1,6 +1,6 @@
-//! How dates, times of day, offsets and Julian dates are written.
+//! How dates, times of day, offsets, times that pass and Julian dates are written.
 
-use chrono::{DateTime, Datelike, NaiveDate, NaiveDateTime, NaiveTime, Timelike, Utc};
+use chrono::{DateTime, Datelike, NaiveDate, NaiveDateTime, NaiveTime, TimeDelta, Timelike, Utc};
 
 use super::julian::Julian;
 use crate::error::{Error, Result};
@@ -272,6 +272,34 @@ pub(super) fn julian_date(text: &str, digits: &str) -> Result<Julian> {
         day,
         if whole.starts_with('-') { -part } else { part },
     ))
+}
+
+/// A time that passes, of whole milliseconds: numbers and their units (`ms`, `s`, `m` or `min`, `h`), the largest first or not, as in
+/// `30s`, `1h30m` and `1.5h`. Nothing for other texts.
+pub fn duration(text: &str) -> Option<TimeDelta> {
+    let mut rest = text.trim();
+    let mut sum = 0.0;
+    if rest.is_empty() {
+        return None;
+    }
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
+        let number: f64 = rest[..end].parse().ok()?;
+        rest = &rest[end..];
+        let end = rest.find(|c: char| !c.is_ascii_alphabetic());
+        let (unit, after) = rest.split_at(end.unwrap_or(rest.len()));
+        sum += number
+            * match unit {
+                "ms" => 1.0,
+                "s" | "sec" => 1e3,
+                "m" | "min" => 6e4,
+                "h" => 3.6e6,
+                _ => return None,
+            };
+        rest = after;
+    }
+    let whole = (sum.round() - sum).abs() < 1e-6 && sum <= 1e15;
+    whole.then(|| TimeDelta::try_milliseconds(sum.round() as i64))?
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `R` `G` `B` | the picture: the sum of all layers [cd/m2] |
 //! | `Z` | distance along the ray [m], 1e10 where nothing is hit; not in maps |
-//! | `sun.R`, `indirect.R` ... `inscatter_lights.B` | the layers of [`Field`](crate::frame::Field) [cd/m2]; zero where one was not run |
+//! | `sun.R`, `indirect.R` ... `inscatter_lights.B` | the layers of [`Field`](crate::frame::Field) [cd/m2] that were asked for; zero where one was not run |
 //! | `transmittance.R` `.G` `.B` | share of light that the air lets through |
 //! | `normal.X` `.Y` `.Z` | unit normal, scene axes |
 //!
@@ -30,9 +30,12 @@ use ::exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image, Layer, Vec2, WritableImage,
 };
 use glam::{DVec2, DVec3, Vec3};
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The program, as files name it.
 pub const SOFTWARE: &str = concat!("tyndall ", env!("CARGO_PKG_VERSION"));
@@ -141,23 +144,33 @@ fn channels<'f>(
             sampling: Vec2(1, 1),
         });
     };
-    for (component, letter) in ["R", "G", "B"].into_iter().enumerate() {
-        let channel = Channel {
-            space: *space,
-            component,
-        };
-        add(letter.into(), Source::Picture { frame, channel });
-        for &name in layers {
-            let source = match name {
-                "transmittance" => Source::Component(&frame.transmittance, component),
-                "normal" => continue,
-                name => match frame.layer(name) {
-                    Some(layer) => Source::Colour {
-                        rgb: &layer.rgb,
-                        channel,
-                    },
-                    None => Source::Black,
-                },
+    let mut add_colour = |prefix: &str, colours: Colours<'f>| {
+        let (number, space) = (COLOURS.fetch_add(1, Ordering::Relaxed), *space);
+        for (component, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let source = Source::Colour {
+                colours,
+                space,
+                component,
+                number,
+            };
+            add(format!("{prefix}{letter}"), source);
+        }
+    };
+    add_colour("", Colours::Picture(frame));
+    let mut plain = Vec::new();
+    for &name in layers {
+        match (name, frame.layer(name)) {
+            ("normal", _) => {}
+            (_, Some(layer)) => add_colour(&format!("{name}."), Colours::Layer(&layer.rgb)),
+            ("transmittance", None) => plain.push((name, Some(&frame.transmittance))),
+            (_, None) => plain.push((name, None)),
+        }
+    }
+    for (name, values) in plain {
+        for (component, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let source = match values {
+                Some(values) => Source::Component(values, component),
+                None => Source::Black,
             };
             add(format!("{name}.{letter}"), source);
         }
@@ -183,15 +196,12 @@ struct Samples<'f> {
 
 #[derive(Clone, Copy)]
 enum Source<'f> {
-    /// The sum of all layers.
-    Picture {
-        frame: &'f Frame,
-        channel: Channel,
-    },
-    /// A layer.
+    /// One of the three numbers of colours, which have a number of their own.
     Colour {
-        rgb: &'f [Vec3],
-        channel: Channel,
+        colours: Colours<'f>,
+        space: OutputSpace,
+        component: usize,
+        number: u64,
     },
     /// A component as it stands.
     Component(&'f [Vec3], usize),
@@ -199,27 +209,82 @@ enum Source<'f> {
     Black,
 }
 
-/// One of the three numbers of a colour.
 #[derive(Clone, Copy)]
-struct Channel {
-    space: OutputSpace,
-    component: usize,
+enum Colours<'f> {
+    /// The sum of all layers.
+    Picture(&'f Frame),
+    Layer(&'f [Vec3]),
 }
 
-impl Channel {
-    fn of(&self, colour: DVec3) -> f32 {
-        self.space.colour(Units::Photometric, colour)[self.component] as f32
+impl Colours<'_> {
+    fn at(&self, pixel: usize) -> DVec3 {
+        match self {
+            Colours::Picture(frame) => frame.picture(pixel),
+            Colours::Layer(rgb) => rgb[pixel].as_dvec3(),
+        }
+    }
+}
+
+/// The number of the next colours: no two that are written have the same.
+static COLOURS: AtomicU64 = AtomicU64::new(0);
+
+/// A piece of a row as the file has it. The channels of a colour are asked for one after the other, and each is made of all of it.
+#[derive(Default)]
+struct Row {
+    /// Of which colours, from which pixel on.
+    of: Option<(u64, usize)>,
+    values: Vec<[f32; 3]>,
+}
+
+thread_local! {
+    static ROW: RefCell<Row> = RefCell::default();
+}
+
+impl Row {
+    /// Gives `read` the row of colours from a pixel on.
+    fn with(
+        (colours, space, number): (Colours, &OutputSpace, u64),
+        pixels: Range<usize>,
+        read: impl FnOnce(&[[f32; 3]]),
+    ) {
+        ROW.with_borrow_mut(|row| {
+            let of = Some((number, pixels.start));
+            if row.of != of || row.values.len() != pixels.len() {
+                let value = |pixel| {
+                    let colour = space.colour(Units::Photometric, colours.at(pixel));
+                    colour.as_vec3().to_array()
+                };
+                row.values.clear();
+                row.values.extend(pixels.map(value));
+                row.of = of;
+            }
+            read(&row.values);
+        });
     }
 }
 
 impl Source<'_> {
-    fn at(&self, pixel: usize) -> f32 {
+    /// Fills in the values of a piece of a row, from a pixel on.
+    fn fill(&self, start: usize, out: &mut [f32]) {
+        let pixels = start..start + out.len();
         match *self {
-            Source::Picture { frame, channel } => channel.of(frame.picture(pixel)),
-            Source::Colour { rgb, channel } => channel.of(rgb[pixel].as_dvec3()),
-            Source::Component(values, component) => values[pixel][component],
-            Source::Depth(values) => values[pixel],
-            Source::Black => 0.0,
+            Source::Colour {
+                colours,
+                ref space,
+                component,
+                number,
+            } => Row::with((colours, space, number), pixels, |row| {
+                for (out, colour) in out.iter_mut().zip(row) {
+                    *out = colour[component];
+                }
+            }),
+            Source::Component(values, component) => {
+                for (out, value) in out.iter_mut().zip(&values[pixels]) {
+                    *out = value[component];
+                }
+            }
+            Source::Depth(values) => out.copy_from_slice(&values[pixels]),
+            Source::Black => out.fill(0.0),
         }
     }
 }
@@ -243,7 +308,9 @@ impl<'f> WritableSamples<'_> for Samples<'f> {
 impl SamplesWriter for Samples<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let start = line.location.position.y() * self.width + line.location.position.x();
-        line.write_samples(|x| self.source.at(start + x))
+        let mut values = vec![0.0; line.location.sample_count];
+        self.source.fill(start, &mut values);
+        line.write_samples_from_slice(&values)
             .expect("a line in memory has room for its samples");
     }
 }

@@ -1,8 +1,9 @@
 //! From a [`Frame`](crate::frame::Frame) to files.
 //!
 //! - [`exr`]: everything, in numbers
-//! - [`png`]: the picture as a screen shows it
+//! - [`png`], [`jpeg`]: the picture as a screen shows it
 //! - [`hdr`]: the picture for programs that read Radiance's format
+//! - [`layers`]: which layers an EXR holds
 //! - [`picture`]: one of these by its name, and the key that it holds
 //! - [`space`]: the colour space and the unit of EXR and HDR
 //! - [`report`]: the record and the plan, for scripts
@@ -17,6 +18,8 @@ pub mod exr;
 pub mod false_colour;
 pub mod hdr;
 pub mod isolines;
+pub mod jpeg;
+pub mod layers;
 pub mod lettering;
 pub mod picture;
 pub mod png;
@@ -25,9 +28,9 @@ pub mod scale;
 pub mod space;
 
 use crate::error::{Error, Result};
-use crate::frame::Field;
 use std::path::{Path, PathBuf};
 
+pub use layers::{layer_names, layers_of, select_layers};
 pub use space::{HALF_MOST, Numbers, OutputSpace, Units};
 
 /// A kind of picture file.
@@ -39,25 +42,41 @@ pub enum Format {
     Png,
     /// Radiance RGBE: the picture alone.
     Hdr,
+    /// JPEG: display-referred, 8 bits, not quite exact.
+    Jpeg,
 }
 
 impl Format {
+    /// All of them, by the ending of their files' names.
+    pub const ENDINGS: [(&str, Format); 5] = [
+        ("png", Format::Png),
+        ("exr", Format::Exr),
+        ("hdr", Format::Hdr),
+        ("jpg", Format::Jpeg),
+        ("jpeg", Format::Jpeg),
+    ];
+
+    /// Whether it holds the picture as a screen shows it, and no numbers.
+    pub fn is_for_screens(self) -> bool {
+        matches!(self, Format::Png | Format::Jpeg)
+    }
+
     /// The format that a file's name asks for.
     ///
     /// # Errors
     /// [`Error::Input`] when the name's extension is none that can be written.
     pub fn of(path: &Path) -> Result<Self> {
         let ending = path.extension().unwrap_or_default().to_string_lossy();
-        match ending.to_ascii_lowercase().as_str() {
-            "exr" => Ok(Format::Exr),
-            "png" => Ok(Format::Png),
-            "hdr" => Ok(Format::Hdr),
-            _ => Err(Error::input(
+        let ending = ending.to_ascii_lowercase();
+        let mut formats = Format::ENDINGS.iter();
+        let found = formats.find(|(known, _)| *known == ending);
+        found.map(|(_, format)| *format).ok_or_else(|| {
+            Error::input(
                 format!("-o {}", path.display()),
                 "the name does not say which kind of picture to write",
-                "let it end in .exr, .png or .hdr",
-            )),
-        }
+                "let it end in .exr, .png, .jpg or .hdr",
+            )
+        })
     }
 }
 
@@ -116,46 +135,6 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// The layers of an EXR, in its own names: those of [`Field::layers`], then `transmittance` and `normal`.
-///
-/// The picture (R, G, B) and Z are always written.
-pub fn layer_names() -> impl Iterator<Item = &'static str> {
-    Field::layers()
-        .map(Field::name)
-        .chain(["transmittance", "normal"])
-}
-
-/// The layers of those names (`--layers`); all of them for no names.
-///
-/// # Errors
-/// [`Error::Input`] with the nearest name for one that is unknown.
-pub fn select_layers<S: AsRef<str>>(names: &[S]) -> Result<Vec<&'static str>> {
-    if names.is_empty() {
-        return Ok(layer_names().collect());
-    }
-    let mut selected = Vec::new();
-    for name in names {
-        let name = name.as_ref();
-        let Some(known) = layer_names().find(|known| *known == name) else {
-            let nearest = layer_names()
-                .max_by(|a, b| {
-                    strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name))
-                })
-                .unwrap_or_default();
-            let all = layer_names().collect::<Vec<_>>().join(", ");
-            return Err(Error::input(
-                "--layers",
-                format!("there is no layer `{name}`"),
-                format!("did you mean `{nearest}`? There are {all}"),
-            ));
-        };
-        if !selected.contains(&known) {
-            selected.push(known);
-        }
-    }
-    Ok(selected)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,23 +143,12 @@ mod tests {
     fn formats_by_name() {
         assert_eq!(Format::of(Path::new("a/b.EXR")).ok(), Some(Format::Exr));
         assert_eq!(Format::of(Path::new("b.png")).ok(), Some(Format::Png));
-        for bad in ["b.jpg", "png", "a.exr/b"] {
+        assert_eq!(Format::of(Path::new("b.jpg")).ok(), Some(Format::Jpeg));
+        for bad in ["b.tif", "png", "a.exr/b"] {
             assert!(
                 Format::of(Path::new(bad)).is_err_and(|e| e.is_input()),
                 "{bad}"
             );
         }
-    }
-
-    #[test]
-    fn layers_by_name() {
-        let all = select_layers::<&str>(&[]).expect("no names are all names");
-        assert_eq!(all.len(), 10);
-        assert_eq!(all[..3], ["sun", "sky", "indirect"]);
-        let two = select_layers(&["normal", "sun", "normal"]).expect("both are known");
-        assert_eq!(two, ["normal", "sun"]);
-        let error = select_layers(&["inscater_sun"]).expect_err("it is misspelt");
-        assert!(error.is_input());
-        assert!(error.remedy().contains("`inscatter_sun`?"), "{error}");
     }
 }

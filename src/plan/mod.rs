@@ -152,6 +152,8 @@ pub struct Plan<'c> {
     pub conditions: &'c Conditions,
     /// Share of the mean luminance below which effects were left out.
     pub tolerance: f64,
+    /// How a GPU integrates sunlight in the air, where there is any.
+    pub method: Method,
     /// All effects, run or not.
     pub steps: Vec<Step>,
 }
@@ -262,6 +264,7 @@ impl<'c> Plan<'c> {
         let mut plan = Plan {
             conditions,
             tolerance,
+            method,
             steps,
         };
         for (target, value) in &overrules.set {
@@ -345,6 +348,17 @@ impl<'c> Plan<'c> {
     /// The effects that run.
     pub fn running(&self) -> impl Iterator<Item = &Step> {
         self.steps.iter().filter(|step| step.decision.run)
+    }
+
+    /// The effects whose knobs count in pictures of the scene, whatever the hour: without the methods that are not chosen, and without what
+    /// only writes fields that stay empty.
+    pub fn counted(&self) -> impl Iterator<Item = &Step> {
+        let is_chosen = |step: &&Step| step.effect.method.is_none_or(|own| own == self.method);
+        let is_empty = |field: &Field| !self.conditions.may_hold(*field);
+        self.steps.iter().filter(is_chosen).filter(move |step| {
+            let writes = step.effect.writes;
+            writes.is_empty() || !writes.iter().all(is_empty)
+        })
     }
 
     /// The fields that some effect of the plan writes.

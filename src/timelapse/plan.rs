@@ -85,8 +85,11 @@ pub struct KeyFrame {
     pub instant: String,
     /// The sun's apparent elevation [degrees].
     pub sun_elevation_deg: f64,
-    /// What was metered [EV100].
+    /// What was metered [EV100]; of a black picture what its neighbours give.
     pub ev100: f64,
+    /// Whether the picture was black.
+    #[serde(default)]
+    pub is_black: bool,
 }
 
 /// The line of a frame.
@@ -311,6 +314,7 @@ mod tests {
                 instant: "2026-06-21T18:00:00Z".into(),
                 sun_elevation_deg: 0.1,
                 ev100: 11.0 / 3.0,
+                is_black: false,
             }]),
             command: "tyndall timelapse".into(),
         }

@@ -19,6 +19,7 @@ use crate::frame::Frame;
 use crate::output::{self, Format, OutputSpace};
 use crate::plan::{Overrules, Plan};
 use crate::task::Progress;
+use crate::warning::Warning;
 use chrono::{DateTime, Utc};
 use glam::DVec3;
 use std::path::Path;
@@ -33,7 +34,7 @@ pub struct Asked {
     pub overrules: Overrules,
     /// The names of the frames' files, one or more.
     pub outputs: Vec<Template>,
-    /// The layers of an EXR ([`output::select_layers`]).
+    /// The layers of an EXR, in each frame ([`output::layers_of`], [`output::select_layers`]).
     pub layers: Vec<&'static str>,
     /// The colour space of EXR and HDR.
     pub space: OutputSpace,
@@ -260,6 +261,7 @@ impl Sequence {
                         instant: utc_text(self.asked.when.get(*number)?),
                         sun_elevation_deg: metered.sun_elevation_deg,
                         ev100: exposure.at(*number as f64),
+                        is_black: metered.ev100.is_none(),
                     })
                 };
                 let all = key_frames.iter().zip(&metered).map(key_frame);
@@ -344,6 +346,35 @@ impl Sequence {
         (0..self.asked.when.count()).map(|number| self.line(planned, number))
     }
 
+    /// What is said of the darkest and the brightest of its key frames, where they are darker or brighter than pictures are.
+    ///
+    /// # Errors
+    /// Those of the conditions.
+    pub fn odd_exposures(&self, exposure: &ExposurePlan) -> Result<Vec<Warning>> {
+        let ExposurePlan::Curve(frames) = exposure else {
+            return Ok(Vec::new());
+        };
+        let metered = |frame: &KeyFrame| (!frame.is_black).then_some(frame.ev100);
+        let level = |frame: &&KeyFrame| metered(frame).unwrap_or(f64::NEG_INFINITY);
+        let by_level = |a: &&KeyFrame, b: &&KeyFrame| level(a).total_cmp(&level(b));
+        // The first of equals.
+        let darkest = frames.iter().min_by(by_level);
+        let brightest = frames.iter().rev().max_by(by_level);
+        let mut found = Vec::new();
+        for frame in darkest.into_iter().chain(brightest) {
+            let utc = self.asked.when.get(frame.index - self.asked.first)?;
+            let local = self.asked.when.local_text(utc);
+            let name = format!("frame {}, {local}", frame.index);
+            let odd = self.conditions(utc)?.odd_exposure(metered(frame), &name);
+            if let Some(odd) = odd
+                && !found.contains(&odd)
+            {
+                found.push(odd);
+            }
+        }
+        Ok(found)
+    }
+
     /// Whether a frame is among those that a process is to look after.
     pub fn is_wanted(&self, index: u64, only: Option<&Only>, shard: Option<Shard>) -> bool {
         let named = match only {
@@ -391,7 +422,7 @@ impl Sequence {
         let colours = self.asked.layers.len() as u64 + 1;
         let of = |format: Format| match format {
             Format::Exr => 4 * (3 * colours + 1),
-            Format::Png => 3,
+            Format::Png | Format::Jpeg => 3,
             Format::Hdr => 4,
         };
         let each: u64 = self.outputs.of(0).map(|(_, format)| of(format)).sum();

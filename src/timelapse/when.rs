@@ -4,7 +4,7 @@
 //! sun does is solved anew on each day. All others are seconds of time.
 
 use crate::ephemeris::civil::{self, Reading, Zone};
-use crate::ephemeris::{Absence, Crossings, DayEvents, HORIZON, Instant, Site, Tier};
+use crate::ephemeris::{Absence, Crossings, DayEvents, HORIZON, Instant, Site, Tier, duration};
 use crate::error::{Error, Result, nearest};
 use chrono::{DateTime, Days, NaiveDate, NaiveDateTime, NaiveTime, SubsecRound, TimeDelta, Utc};
 use std::str::FromStr;
@@ -151,33 +151,6 @@ impl std::fmt::Display for Every {
             },
         }
     }
-}
-
-/// `1h30m`: numbers and their units, the largest first or not, whole milliseconds.
-fn duration(text: &str) -> Option<TimeDelta> {
-    let mut rest = text.trim();
-    let mut sum = 0.0;
-    if rest.is_empty() {
-        return None;
-    }
-    while !rest.is_empty() {
-        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
-        let number: f64 = rest[..end].parse().ok()?;
-        rest = &rest[end..];
-        let end = rest.find(|c: char| !c.is_ascii_alphabetic());
-        let (unit, after) = rest.split_at(end.unwrap_or(rest.len()));
-        sum += number
-            * match unit {
-                "ms" => 1.0,
-                "s" => 1e3,
-                "m" | "min" => 6e4,
-                "h" => 3.6e6,
-                _ => return None,
-            };
-        rest = after;
-    }
-    let whole = (sum.round() - sum).abs() < 1e-6 && sum <= 1e15;
-    whole.then(|| TimeDelta::try_milliseconds(sum.round() as i64))?
 }
 
 /// How many frames there are between the ends.

@@ -3,7 +3,9 @@
 pub mod backend;
 pub mod form;
 pub mod grid;
+pub mod hinted;
 pub mod memory;
 pub mod picture;
 pub mod place_time;
 pub mod scene;
+pub mod size;

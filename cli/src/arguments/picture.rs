@@ -1,9 +1,13 @@
 //! The flags that say what renders a picture and how its files are written.
 
 use crate::arguments::backend::BackendFlag;
+use crate::arguments::hinted::{hinted, text};
 use clap::{Args, ValueEnum};
 use tyndall::colour::Space;
+use tyndall::conditions::Conditions;
+use tyndall::output::layers::EVERY;
 use tyndall::output::{self, Format, Numbers, OutputSpace, Units};
+use tyndall::plan::Overrules;
 use tyndall::scene::Scene;
 use tyndall::{Error, Result};
 
@@ -13,26 +17,33 @@ pub struct PictureArgs {
     /// What renders: auto uses a hardware adapter, else the CPU reference; gpu also accepts a software adapter
     #[arg(long, value_name = "BACKEND", default_value = "auto", value_enum)]
     pub backend: BackendFlag,
-    /// The layers of the EXR, separated by commas [default: all]
-    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    /// The layers of the EXR, separated by commas, or all [default: those that the scene can hold something in, whatever the hour]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = hinted(text, output::layer_names().chain([EVERY])), hide_possible_values = true)]
     layers: Vec<String>,
     /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2 [default: the scene's, or auto]
-    #[arg(long, value_name = "auto|EV", allow_negative_numbers = true, value_parser = exposure_flag)]
+    #[arg(long, value_name = "auto|EV", allow_negative_numbers = true, value_parser = hinted(exposure_flag, ["auto"]), hide_possible_values = true)]
     exposure: Option<Exposure>,
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
-    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
+    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = hinted(space, SPACES), hide_possible_values = true)]
     color_space: Space,
     #[command(flatten)]
     numbers: NumbersArgs,
 }
 
 impl PictureArgs {
-    /// The layers of an EXR.
+    /// The layers of an EXR: those that are named, else those that can hold something.
     ///
     /// # Errors
     /// Those of [`output::select_layers`].
-    pub fn layers(&self) -> Result<Vec<&'static str>> {
-        output::select_layers(&self.layers)
+    pub fn layers(
+        &self,
+        conditions: &Conditions,
+        overrules: &Overrules,
+    ) -> Result<Vec<&'static str>> {
+        match self.layers.is_empty() {
+            true => Ok(output::layers_of(conditions, overrules)),
+            false => output::select_layers(&self.layers),
+        }
     }
 
     /// The exposure that the flag or the scene asks for [EV100]; nothing where pictures are to be metered.
@@ -49,7 +60,7 @@ impl PictureArgs {
     /// # Errors
     /// [`Error::Input`] where no file of these formats has numbers that the flags say anything of.
     pub fn check(&self, formats: &[Format]) -> Result<()> {
-        let written = formats.iter().any(|format| *format != Format::Png);
+        let written = formats.iter().any(|format| !format.is_for_screens());
         match self.numbers.numbers(false) == Numbers::default() || written {
             true => Ok(()),
             false => Err(Error::input(
@@ -65,6 +76,9 @@ impl PictureArgs {
         output_space(self.color_space, self.numbers.numbers(false))
     }
 }
+
+/// Colour spaces by their names.
+pub const SPACES: [&str; 4] = ["rec709", "rec2020", "acescg", "xyz"];
 
 /// The exposure of a PNG.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,10 @@
 //! The flags for a place and a time, shared by every command that asks where the sun is.
 
+use crate::arguments::hinted::{hinted, zones};
+use chrono::TimeDelta;
 use clap::Args;
 use tyndall::ephemeris::civil::{self, Fold, Moment, Reading};
-use tyndall::ephemeris::{Site, Tier, TimeScale, Weather};
+use tyndall::ephemeris::{Site, Tier, TimeScale, Weather, duration};
 use tyndall::{Error, Result};
 
 /// Where: `--at`.
@@ -20,13 +22,13 @@ pub struct TimeArgs {
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = not_a_flag)]
     pub time: Option<String>,
     /// The time zone of local times and of dates: IANA name or offset [default: looked up from --at]
-    #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = not_a_flag)]
+    #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = hinted(not_a_flag, zones()), hide_possible_values = true)]
     pub tz: Option<String>,
     /// Which reading to use of a time that a clock change skips or repeats
-    #[arg(long, value_name = "earlier|later", value_parser = named::<Fold>)]
+    #[arg(long, value_name = "earlier|later", value_parser = hinted(named::<Fold>, ["earlier", "later"]), hide_possible_values = true)]
     pub fold: Option<Fold>,
     /// The scale of Julian dates; UTC is taken as UT1 (they differ by less than 0.9 s, 13.5 arcseconds of hour angle)
-    #[arg(long, value_name = "utc|ut1|tt", default_value = "utc", value_parser = named::<TimeScale>)]
+    #[arg(long, value_name = "utc|ut1|tt", default_value = "utc", value_parser = hinted(named::<TimeScale>, ["utc", "ut1", "tt"]), hide_possible_values = true)]
     pub time_scale: TimeScale,
     /// TT - UT1 in seconds [default: observed, predicted or extrapolated, by the year]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number)]
@@ -37,7 +39,7 @@ pub struct TimeArgs {
 #[derive(Args, Clone, Debug, Default)]
 pub struct SunArgs {
     /// The algorithm: day (1.2 degrees), minute (0.0105), spa (0.0003) or arcsecond (0.2 arcseconds)
-    #[arg(long, value_name = "TIER", default_value = "spa", value_parser = named::<Tier>)]
+    #[arg(long, value_name = "TIER", default_value = "spa", value_parser = hinted(named::<Tier>, ["day", "minute", "spa", "arcsecond"]), hide_possible_values = true)]
     pub tier: Tier,
     /// Air pressure at the site in hPa [default: the standard atmosphere's at its elevation]
     #[arg(long, value_name = "HPA", allow_negative_numbers = true, value_parser = number)]
@@ -107,6 +109,25 @@ fn number(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("a finite number was expected".into()),
     }
+}
+
+/// `90`, `90s`, `10m` or `10min`, `1h` or `1d`.
+pub fn step(text: &str) -> Result<TimeDelta, String> {
+    let text = text.trim();
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let seconds = number(text).or_else(|| Some(86_400.0 * number(text.strip_suffix('d')?)?));
+    let step = match seconds {
+        Some(seconds) if (1e-3..=1e9).contains(&seconds) => {
+            Some(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
+        }
+        Some(_) => None,
+        None => duration(text),
+    };
+    step.filter(|step| (1..=1_000_000_000_000).contains(&step.num_milliseconds()))
+        .ok_or_else(|| {
+            "write a time with s, min, h or d, as in 10min or 1h30m, a millisecond to 1e9 seconds"
+                .into()
+        })
 }
 
 /// A value that may start with a minus sign, but is no flag.
@@ -215,6 +236,24 @@ fn sexagesimal(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps() {
+        let of = |text: &str| step(text).map(|step| step.num_milliseconds());
+        for (text, ms) in [
+            ("90", 90_000),
+            ("0.5", 500),
+            ("30min", 1_800_000),
+            ("10m", 600_000),
+            ("1h30m", 5_400_000),
+            ("1.5 d", 129_600_000),
+        ] {
+            assert_eq!(of(text), Ok(ms), "{text}");
+        }
+        for bad in ["", "0", "-1h", "1x", "h", "0.0001s", "1e10"] {
+            assert!(of(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn places() {

@@ -1,13 +1,15 @@
 //! The flags that say what is to be seen, shared by every command that takes a scene.
 
+use crate::arguments::hinted::{SKIES, effects, hinted, text};
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
+use crate::arguments::size::{SizeFlag, size};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use glam::DVec3;
 use std::path::PathBuf;
 use tyndall::Result;
 use tyndall::backend::choose::Goal;
-use tyndall::conditions::{CameraChoice, Conditions, Request};
+use tyndall::conditions::{CameraChoice, Conditions, DEFAULT_SIZE, Request};
 use tyndall::effect::Method;
 use tyndall::error::Error;
 use tyndall::plan::{Overrules, Quality};
@@ -35,7 +37,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "F", value_parser = positive, requires = "scene")]
     scale: Option<f64>,
     /// The mesh's axis that points up, y or z; wins over the scene's own `up`
-    #[arg(long, value_name = "y|z", value_parser = up, requires = "scene")]
+    #[arg(long, value_name = "y|z", value_parser = hinted(up, ["y", "z"]), hide_possible_values = true, requires = "scene")]
     up: Option<Up>,
     #[command(flatten)]
     place: PlaceArgs,
@@ -50,7 +52,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     north: Option<f64>,
     /// The sky: perez, preetham, hosek, cie:1 to cie:16
-    #[arg(long, value_name = "MODEL")]
+    #[arg(long, value_name = "MODEL", value_parser = hinted(text, SKIES), hide_possible_values = true)]
     sky: Option<String>,
     /// Turbidity of the clear air: 2 is very clear, 3 ordinary, 6 hazy
     #[arg(long, value_name = "T")]
@@ -67,7 +69,7 @@ pub struct SceneArgs {
 #[derive(Debug, Args)]
 struct CameraArgs {
     /// A camera of the scene by its name, or `inside`
-    #[arg(long, value_name = "NAME|inside", conflicts_with_all = ["eye", "target"])]
+    #[arg(long, value_name = "NAME|inside", value_parser = hinted(text, ["inside"]), hide_possible_values = true, conflicts_with_all = ["eye", "target"])]
     camera: Option<String>,
     /// Where the eye is, in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "target")]
@@ -78,9 +80,9 @@ struct CameraArgs {
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG")]
     fov: Option<f64>,
-    /// Width and height of the picture in pixels
+    /// Width and height of the picture in pixels; a width alone, 1600, or a height, x1000, keeps the scene's shape
     #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Option<[u32; 2]>,
+    size: Option<SizeFlag>,
     /// Rays through each pixel that differs from a neighbour; 1 is one through each centre
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
@@ -90,10 +92,10 @@ struct CameraArgs {
 #[derive(Debug, Args)]
 pub struct PlanArgs {
     /// The quality: draft, preview, high or reference
-    #[arg(long, value_name = "QUALITY", default_value = "preview", value_parser = quality)]
+    #[arg(long, value_name = "QUALITY", default_value = "preview", value_parser = hinted(quality, Quality::ALL.map(Quality::name)), hide_possible_values = true)]
     pub quality: Quality,
     /// How a GPU integrates sunlight in the air: auto, rectified, epipolar, prefiltered, march or planes (the reference is exact)
-    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
+    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = hinted(method, METHODS), hide_possible_values = true)]
     pub method: MethodFlag,
     /// Use the coarsest quality whose measured relative RMSE is at most this
     #[arg(long, value_name = "X", value_parser = positive, conflicts_with_all = ["quality", "within"])]
@@ -108,12 +110,22 @@ pub struct PlanArgs {
     #[arg(long, value_name = "EFFECT.KNOB=VALUE", value_parser = setting)]
     set: Vec<(String, f64)>,
     /// Run an effect that the plan would skip
-    #[arg(long, value_name = "EFFECT")]
+    #[arg(long, value_name = "EFFECT", value_parser = hinted(text, effects()), hide_possible_values = true)]
     force: Vec<String>,
     /// Leave an effect out
-    #[arg(long, value_name = "EFFECT")]
+    #[arg(long, value_name = "EFFECT", value_parser = hinted(text, effects()), hide_possible_values = true)]
     without: Vec<String>,
 }
+
+/// Methods by their names.
+pub const METHODS: [&str; 6] = [
+    "auto",
+    Method::ALL[0].name(),
+    Method::ALL[1].name(),
+    Method::ALL[2].name(),
+    Method::ALL[3].name(),
+    Method::ALL[4].name(),
+];
 
 /// A method, or `None` for the cheapest that is accurate enough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -153,8 +165,9 @@ impl ViewArgs {
     /// # Errors
     /// Those of [`Conditions::new`].
     pub fn conditions_of(&self, mut scene: Scene) -> Result<Conditions> {
+        let shape = scene.picture.size.unwrap_or(DEFAULT_SIZE);
         let request = Request {
-            size: self.camera.size,
+            size: self.camera.size.map(|size| size.in_shape_of(shape)),
             samples: self.camera.samples,
             camera: self.camera.choice(&mut scene)?,
             ..self.scene.request()
@@ -317,13 +330,6 @@ pub fn pair(text: &str) -> Result<[f64; 2], String> {
 
 fn triple(text: &str) -> Result<DVec3, String> {
     numbers(text, "X,Y,Z").map(DVec3::from_array)
-}
-
-pub fn size(text: &str) -> Result<[u32; 2], String> {
-    let parse = |part: &str| part.trim().parse().ok();
-    text.split_once(['x', 'X'])
-        .and_then(|(w, h)| Some([parse(w)?, parse(h)?]))
-        .ok_or_else(|| "WIDTHxHEIGHT was expected, as in 960x600".into())
 }
 
 fn up(text: &str) -> Result<Up, String> {

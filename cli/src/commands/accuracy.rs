@@ -6,16 +6,18 @@ use tyndall::studies::{ephemeris, sky};
 use tyndall::{Error, Result};
 
 use crate::arguments::form::FormArgs;
+use crate::arguments::hinted::{hinted, text};
 use crate::commands::study::StudyArgs;
 use crate::commands::{accuracy_lamps, accuracy_radiosity, accuracy_shafts};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
+use crate::tell;
 
 /// The flags of `tyndall accuracy`.
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
     /// What to measure: ephemeris, sky, shafts, lamps or radiosity
-    #[arg(long, value_name = "EFFECT", default_value = "ephemeris")]
+    #[arg(long, value_name = "EFFECT", default_value = "ephemeris", value_parser = hinted(text, EFFECTS), hide_possible_values = true)]
     effect: String,
     #[command(flatten)]
     study: StudyArgs,
@@ -27,18 +29,27 @@ pub struct AccuracyArgs {
     form: FormArgs,
 }
 
+/// What can be measured.
+const EFFECTS: [&str; 5] = ["ephemeris", "sky", "shafts", "lamps", "radiosity"];
+
 /// Runs `tyndall accuracy`.
 pub fn run(args: &AccuracyArgs) -> Result<()> {
     let quiet = "other work on this machine lowers the rates, not the errors";
     match args.effect.as_str() {
         "ephemeris" => {
-            eprintln!("measuring four tiers; {quiet}");
+            tell::line(
+                "study",
+                format!("four tiers of the sun's position, for about 6 s; {quiet}"),
+            );
             let prices = ephemeris::prices();
             let rows = prices.iter().map(ephemeris_columns).collect();
             print(args.form, rows, |out| ephemeris_table(out, &prices))
         }
         "sky" => {
-            eprintln!("measuring patches, maps and bands; {quiet}");
+            tell::line(
+                "study",
+                format!("patches, maps and bands of the sky, for about 8 s; {quiet}"),
+            );
             let prices = sky::prices()?;
             let rows = prices.iter().map(sky_columns).collect();
             print(args.form, rows, |out| sky_table(out, &prices))

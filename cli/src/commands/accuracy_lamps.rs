@@ -15,6 +15,9 @@ use tyndall::studies::pareto;
 /// Their size [pixels].
 const SIZE: [u32; 2] = [120, 80];
 
+/// What a setting takes in one of them, on two cores of a server [s].
+const SECONDS: f64 = 0.5;
+
 /// All measurements of a scene.
 struct Study {
     scene: String,
@@ -26,12 +29,14 @@ struct Study {
 /// Runs the study.
 pub fn run(flags: &StudyArgs, form: FormArgs) -> Result<()> {
     let mut studies = Vec::new();
-    for (scene, conditions) in flags.scenes(&lamp_scenes::NAMES, SIZE)? {
-        eprintln!("{scene}: the reference");
+    let scenes = flags.scenes(&lamp_scenes::NAMES, SIZE)?;
+    let mut watch = flags.watch(&scenes, sweeps().len(), (SIZE, SECONDS));
+    for (scene, conditions) in scenes {
+        watch.next(&scene, "the reference");
         let truth = truth(&conditions)?;
         let mut outcomes = Vec::new();
         for trial in sweeps() {
-            eprintln!("{scene}: {}", trial.words());
+            watch.next(&scene, &trial.words());
             let (set, frames) = (&flags.set, flags.frames);
             outcomes.push(measure(&conditions, &trial, set, &truth, frames)?);
         }

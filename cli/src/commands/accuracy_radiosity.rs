@@ -28,6 +28,9 @@ const SCENES: [&str; 3] = ["room", "court", "hills"];
 /// Their size [pixels].
 const SIZE: [u32; 2] = [48, 32];
 
+/// What a setting takes in one of them, on two cores of a server [s].
+const SECONDS: f64 = 40.0;
+
 /// All measurements of a scene.
 struct Study {
     scene: String,
@@ -41,12 +44,14 @@ pub fn run(flags: &StudyArgs, own: &RadiosityArgs, form: FormArgs) -> Result<()>
     let mut backend = machine::open(own.backend.wanted())?;
     let described = backend.describe();
     let mut studies = Vec::new();
-    for (scene, conditions) in flags.scenes(&SCENES, SIZE)? {
-        eprintln!("{scene}: the reference");
+    let scenes = flags.scenes(&SCENES, SIZE)?;
+    let mut watch = flags.watch(&scenes, trials().len(), (SIZE, SECONDS));
+    for (scene, conditions) in scenes {
+        watch.next(&scene, "the reference");
         let truth = truth(&conditions, &flags.set)?;
         let mut outcomes = Vec::new();
         for trial in trials() {
-            eprintln!("{scene}: {} {}", trial.subject(), trial.setting());
+            watch.next(&scene, &format!("{} {}", trial.subject(), trial.setting()));
             let (set, frames) = (&flags.set, flags.frames);
             outcomes.push(measure(
                 &mut backend,

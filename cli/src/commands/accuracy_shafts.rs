@@ -1,11 +1,13 @@
 //! `tyndall accuracy --effect shafts`: what accuracy costs in the air, method by method.
 
 use crate::arguments::form::FormArgs;
-use crate::arguments::scene::{MethodFlag, method};
+use crate::arguments::hinted::hinted;
+use crate::arguments::scene::{METHODS, MethodFlag, method};
 use crate::commands::study::{StudyArgs, error_over_time};
 use crate::plots::plot::{Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
+use crate::tell;
 use clap::Args;
 use glam::{DVec3, Vec3};
 use serde_json::json;
@@ -22,7 +24,7 @@ use tyndall::{Error, Result};
 #[derive(Args, Debug)]
 pub struct ShaftsArgs {
     /// With --effect shafts: only this method, besides march, with which all are compared
-    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = method)]
+    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = hinted(method, METHODS), hide_possible_values = true)]
     method: MethodFlag,
     /// With --effect shafts: a folder for pictures: the truth, the games' usual march, ours, and their errors
     #[arg(long, value_name = "FOLDER")]
@@ -37,6 +39,9 @@ const SCENES: [&str; 3] = ["slats", "colonnade", "forest"];
 
 /// Their size [pixels].
 const SIZE: [u32; 2] = [512, 512];
+
+/// What a setting takes in one of them on a software adapter of two cores [s]; a graphics card takes a hundredth.
+const SECONDS: f64 = 15.0;
 
 /// All measurements of a scene.
 struct Study {
@@ -57,16 +62,22 @@ pub fn run(flags: &StudyArgs, own: &ShaftsArgs, form: FormArgs) -> Result<()> {
     let mut extra = vec![("shadow.resolution".to_owned(), 4096.0)];
     extra.extend(flags.set.iter().cloned());
     let mut studies = Vec::new();
-    for (scene, conditions) in flags.scenes(&SCENES, SIZE)? {
-        eprintln!("{scene}: the reference");
+    let is_wanted = |method| {
+        let only = own.method.0;
+        only.is_none_or(|only| method == only || method == Method::March)
+    };
+    let trials = || -> Vec<_> {
+        let all = sweeps().into_iter();
+        all.filter(|trial| is_wanted(trial.method)).collect()
+    };
+    let scenes = flags.scenes(&SCENES, SIZE)?;
+    let mut watch = flags.watch(&scenes, trials().len(), (SIZE, SECONDS));
+    for (scene, conditions) in scenes {
+        watch.next(&scene, "the reference");
         let truth = truth(&conditions)?;
         let mut outcomes = Vec::new();
-        for trial in sweeps() {
-            let only = own.method.0;
-            if only.is_some_and(|only| trial.method != only && trial.method != Method::March) {
-                continue;
-            }
-            eprintln!("{scene}: {}", trial.words());
+        for trial in trials() {
+            watch.next(&scene, &trial.words());
             let frames = flags.frames;
             outcomes.push(measure(
                 &mut gpu,
@@ -325,7 +336,8 @@ fn pictures(study: &Study, folder: &Path) -> Result<()> {
         write(&format!("{name}-error-x4"), &|i| {
             4.0 * (outcome.inscatter[i] - study.truth[i]).abs().as_dvec3()
         })?;
-        eprintln!("{}-{name}.png: {}", study.scene, outcome.trial.words());
+        let words = outcome.trial.words();
+        tell::line("picture", format!("{}-{name}.png: {words}", study.scene));
     }
     Ok(())
 }

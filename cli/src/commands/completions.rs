@@ -1,11 +1,29 @@
 //! `tyndall completions` and `tyndall man`: made from the definitions that the command line itself is read with.
 
 use crate::tables::stdout;
-use clap::{Args, Command};
+use clap::{Arg, Args, Command};
 use clap_complete::Shell;
 use std::path::PathBuf;
 use tyndall::Error;
 use tyndall::output::atomic;
+
+/// What the program's exit status means.
+pub const EXIT_STATUS: [(&str, &str); 5] = [
+    ("0", "All is done."),
+    (
+        "1",
+        "It failed: a file, memory, a device, a defect; or a --check is above --fail-above.",
+    ),
+    (
+        "2",
+        "What was written is wrong: flags, a scene, rows of a table.",
+    ),
+    (
+        "75",
+        "Something is left to be done, by the same command: asked to end (SIGTERM), or frames are missing.",
+    ),
+    ("130", "Interrupted (Ctrl-C)."),
+];
 
 /// Print completions for a shell
 #[derive(Debug, Args)]
@@ -81,13 +99,61 @@ fn pages(command: Command) -> Vec<(String, String)> {
         .map(|command| {
             // Its full name, as `man` finds it: tyndall-render.
             let name = command.get_display_name().unwrap_or(command.get_name());
-            let man = clap_mangen::Man::new(command.clone()).source(source.trim());
+            let synopsis = synopsis(command);
+            let described = command.clone().override_usage(synopsis);
+            let man = clap_mangen::Man::new(described).source(source.trim());
             let mut page = Vec::new();
             // Writing to memory does not fail.
             let _ = man.render(&mut page);
+            page.extend(exit_status().into_bytes());
             (name.to_owned(), String::from_utf8_lossy(&page).into_owned())
         })
         .collect()
+}
+
+/// The name of a command with all that may follow it, values included.
+fn synopsis(command: &Command) -> String {
+    let mut words = vec![
+        command
+            .get_bin_name()
+            .unwrap_or(command.get_name())
+            .to_owned(),
+    ];
+    let shown = || command.get_arguments().filter(|a| !a.is_hide_set());
+    let optional = |argument: &Arg, text: String| match argument.is_required_set() {
+        true => text,
+        false => format!("[{text}]"),
+    };
+    for flag in shown().filter(|a| !a.is_positional()) {
+        let long = flag.get_long().map(|long| format!("--{long}"));
+        let short = flag.get_short().map(|short| format!("-{short}"));
+        let name = [short, long].into_iter().flatten().collect::<Vec<_>>();
+        let mut text = name.join("|");
+        if flag.get_action().takes_values() {
+            for value in flag.get_value_names().unwrap_or_default() {
+                text += &format!(" {value}");
+            }
+        }
+        words.push(optional(flag, text));
+    }
+    for positional in shown().filter(|a| a.is_positional()) {
+        let names = positional.get_value_names().unwrap_or_default();
+        let names: Vec<&str> = names.iter().map(|name| name.as_str()).collect();
+        words.push(optional(positional, names.join(" ")));
+    }
+    if command.has_subcommands() {
+        words.push("COMMAND".into());
+    }
+    words.join(" ")
+}
+
+/// A section of a page, as roff.
+fn exit_status() -> String {
+    // A minus sign of a flag is no hyphen.
+    let row =
+        |(code, meaning): &(&str, &str)| format!(".TP\n{code}\n{}\n", meaning.replace('-', "\\-"));
+    let rows: String = EXIT_STATUS.iter().map(row).collect();
+    format!(".SH \"EXIT STATUS\"\n{rows}")
 }
 
 #[cfg(test)]
@@ -114,6 +180,13 @@ mod tests {
             "{}",
             pages[1].1
         );
+        let line = pages[1]
+            .1
+            .lines()
+            .find(|line| line.contains("tyndall render"));
+        let line = line.expect("a synopsis").replace('\\', "");
+        assert!(line.contains("[--shafts N]"), "{line}");
+        assert!(pages[1].1.contains("EXIT STATUS"), "{}", pages[1].1);
     }
 
     #[test]

@@ -127,14 +127,13 @@ fn time(text: &str) -> Result<NaiveTime, String> {
 
 /// A step in seconds.
 fn step(text: &str) -> Result<u32, String> {
-    let units = [("min", 60.0), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let found =
-        (units.iter()).find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
-    let (number, seconds) = found.unwrap_or((text, &1.0));
-    match number.trim().parse::<f64>().map(|n| n * seconds) {
-        Ok(seconds) if (1.0..=3600.0).contains(&seconds) && seconds.fract() == 0.0 => {
-            Ok(seconds as u32)
-        }
+    let seconds = text.trim().parse::<f64>().ok();
+    let milliseconds = seconds.map(|seconds| 1e3 * seconds).or_else(|| {
+        let step = tyndall::ephemeris::duration(text)?;
+        Some(step.num_milliseconds() as f64)
+    });
+    match milliseconds {
+        Some(ms) if (1e3..=3.6e6).contains(&ms) && ms % 1e3 == 0.0 => Ok((ms / 1e3) as u32),
         _ => Err("write whole seconds, 1s to 1h, as in 5min".into()),
     }
 }

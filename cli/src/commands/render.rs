@@ -6,6 +6,7 @@ use crate::arguments::picture::PictureArgs;
 use crate::arguments::scene::{PlanArgs, ViewArgs};
 use crate::machine;
 use crate::tables::{stdout, work};
+use crate::targets::{FormatArgs, Targets};
 use crate::tell;
 use clap::Args;
 use serde_json::json;
@@ -23,6 +24,7 @@ use tyndall::frame::Frame;
 use tyndall::output::scale::Scale;
 use tyndall::output::{self, Format};
 use tyndall::plan::Plan;
+use tyndall::warning::Warning;
 
 /// Make a picture for a place, a date and a time
 #[derive(Debug, Args)]
@@ -37,9 +39,11 @@ pub struct RenderArgs {
     /// With --check: fail (exit status 1) when the picture's relative RMSE is above X
     #[arg(long, value_name = "X", requires = "check", value_parser = share)]
     fail_above: Option<f64>,
-    /// A file to write, by its ending .png, .exr or .hdr; may be repeated [default: tyndall.png and tyndall.exr]
-    #[arg(short, long, value_name = "FILE")]
+    /// A file to write, by its ending .png, .jpg, .exr or .hdr, or - for standard output; may be repeated [default: tyndall.png and tyndall.exr]
+    #[arg(short, long, value_name = "FILE|-")]
     output: Vec<PathBuf>,
+    #[command(flatten)]
+    format: FormatArgs,
     /// Show luminance [cd/m2] in the PNG as false colours with isolines and a legend, in a range: 0..2000
     #[arg(long, value_name = "LOW..HIGH", value_parser = scale, conflicts_with = "exposure")]
     false_colour: Option<Scale>,
@@ -63,19 +67,22 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     } else {
         args.output.clone()
     };
-    let formats = output::check_targets(&files)?;
-    args.picture.check(&formats)?;
-    if args.false_colour.is_some() && !formats.contains(&Format::Png) {
+    let prints = args.json.then_some("what --json prints");
+    let targets = Targets::check(&files, args.format, prints)?;
+    let files = targets.files();
+    args.picture.check(&targets.formats())?;
+    let shown = |format: &Format| format.is_for_screens();
+    if args.false_colour.is_some() && !targets.formats().iter().any(shown) {
         return Err(Error::input(
             "--false-colour",
             "no -o has a format that it concerns",
-            "add -o with a name in .png, or leave it out",
+            "add -o with a name in .png or .jpg, or leave it out",
         ));
     }
-    let layers = args.picture.layers()?;
     let conditions = args.view.conditions()?;
+    let layers = args.picture.layers(&conditions, &args.plan.overrules())?;
     let mut in_use = args.view.scene.files(&conditions.scene);
-    for file in &files {
+    for file in files {
         output::check_apart("-o", file, &in_use)?;
     }
     if let Some(report) = &args.report {
@@ -98,43 +105,53 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         overrules = chosen.overrules;
     }
     let plan = Plan::new(&conditions, &overrules)?;
-    tell::plan(&plan, &backend.describe());
+    tell::plan(&plan, &overrules, &backend.describe());
     stages.push(("plan".to_owned(), planning.elapsed().as_secs_f64()));
 
     let bar = tell::bar();
-    let mut rendered = backend.render(&plan, &limits, &|step| tell::step(&bar, step))?;
-    bar.finish_and_clear();
+    let mut rendered = backend.render(&plan, &limits, &|step| bar.step(step))?;
+    drop(bar);
 
     let converging = Instant::now();
     let convergence = Convergence::of(&plan, pixels_to_converge(&rendered.frame))?;
     let converging = converging.elapsed();
     let writing = Instant::now();
-    let ev100 = ev100(args, &conditions, &rendered.frame);
+    let given = args.picture.ev100(&conditions.scene);
+    let metered = metered(&rendered.frame);
+    // A black picture is black at any exposure.
+    let ev100 = given.or(metered).unwrap_or(0.0);
+    let odd = match (given, metered) {
+        (Some(_), Some(_)) => None,
+        _ => conditions.odd_exposure(metered, "this picture"),
+    };
     let record = &mut rendered.frame.record;
     backend.record(&plan, record);
     record.set("exposure_ev100", ev100);
     let space = args.picture.space();
-    for (path, format) in files.iter().zip(&formats) {
-        match (format, &args.false_colour) {
-            (Format::Png, Some(scale)) => {
-                let scale = scale.clone().named("luminance", "cd/m2");
-                let shown = output::false_colour::picture(&rendered.frame, &scale);
-                let [width, height] = [shown.width(), shown.height()].map(|side| side as u32);
-                output::png::write(path, width, height, &shown.bytes())?;
-            }
-            _ => output::picture::write(path, *format, &rendered.frame, &space, &layers, ev100)?,
+    targets.write(|path, format| match (format, &args.false_colour) {
+        (Format::Png | Format::Jpeg, Some(scale)) => {
+            let scale = scale.clone().named("luminance", "cd/m2");
+            let shown = output::false_colour::picture(&rendered.frame, &scale);
+            let [width, height] = [shown.width(), shown.height()].map(|side| side as u32);
+            let write = match format {
+                Format::Png => output::png::write_with,
+                _ => output::jpeg::write,
+            };
+            write(path, width, height, &shown.bytes(), &[])
         }
-    }
+        _ => output::picture::write(path, format, &rendered.frame, &space, &layers, ev100),
+    })?;
     stages.extend(work::stages(&backend, &rendered));
     if convergence.is_some() {
         stages.push(("convergence".to_owned(), converging.as_secs_f64()));
     }
     stages.push(("write".to_owned(), writing.elapsed().as_secs_f64()));
     tell::rendered(&rendered, ev100, &stages);
+    tell::warnings(odd.as_slice());
     if let Some(convergence) = &convergence {
         tell::convergence(convergence);
     }
-    tell::files(&files);
+    tell::files(files);
     let check = check(args, &conditions, &rendered.frame)?;
     let work = work::details(&backend, &rendered);
     let report = report(
@@ -142,8 +159,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         &rendered,
         work,
         &stages,
-        &files,
+        (files, &layers[..]),
         (check.as_ref(), convergence.as_ref()),
+        odd.as_ref(),
     );
     if let Some(path) = &args.report {
         output::report::write(path, &report)?;
@@ -181,13 +199,9 @@ fn check(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> Result<Op
     Ok(Some(check))
 }
 
-/// The exposure of the PNG: the flag's, the scene's, or what the picture's own luminances call for.
-fn ev100(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> f64 {
-    args.picture.ev100(&conditions.scene).unwrap_or_else(|| {
-        let luminances = (0..frame.pixels()).map(|i| luminance(frame.picture(i)));
-        // A black picture is black at any exposure.
-        exposure::auto(luminances).unwrap_or(0.0)
-    })
+/// The exposure that the picture's own luminances call for [EV100]; nothing for a black one.
+fn metered(frame: &Frame) -> Option<f64> {
+    exposure::auto((0..frame.pixels()).map(|i| luminance(frame.picture(i))))
 }
 
 fn report(
@@ -195,13 +209,15 @@ fn report(
     rendered: &Rendered,
     work: serde_json::Value,
     stages: &[(String, f64)],
-    files: &[PathBuf],
+    (files, layers): (&[PathBuf], &[&str]),
     (check, convergence): (Option<&Check>, Option<&Convergence>),
+    odd: Option<&Warning>,
 ) -> serde_json::Value {
+    let warnings: Vec<&Warning> = plan.conditions.warnings.iter().chain(odd).collect();
     json!({
         "schema": 1,
         "record": rendered.frame.record,
-        "warnings": plan.conditions.warnings,
+        "warnings": warnings,
         "plan": tell::plan_json(plan),
         "size": [rendered.frame.width, rendered.frame.height],
         "refined_pixels": rendered.refined,
@@ -212,6 +228,7 @@ fn report(
         "lamp_rays": work::paid(rendered),
         "check": check,
         "convergence": convergence,
+        "layers": layers,
         "files": files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
     })
 }

@@ -2,15 +2,21 @@
 
 use crate::arguments::backend::BackendFlag;
 use crate::arguments::form::FormArgs;
-use crate::arguments::picture::{Exposure, NumbersArgs, exposure_flag, output_space, space};
-use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs};
-use crate::arguments::scene::{pair, size};
+use crate::arguments::hinted::{SKIES, hinted, text};
+use crate::arguments::picture::{
+    Exposure, NumbersArgs, SPACES, exposure_flag, output_space, space,
+};
+use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs, step};
+use crate::arguments::scene::pair;
+use crate::arguments::size::{SizeFlag, size};
 use crate::machine;
 use crate::tables::columns::{self, Columns};
 use crate::tables::printer::{As, Form};
 use crate::tables::sky_batch;
-use crate::tables::stdout;
+use crate::tables::stdout::{self, Out};
+use crate::targets::{FormatArgs, Targets};
 use crate::tell;
+use chrono::{DateTime, TimeDelta, Utc};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,6 +24,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use tyndall::backend::Backend;
 use tyndall::colour::{self, Space, exposure, luminance, xyz_from_working};
+use tyndall::ephemeris::civil::{self, Moment, Zone};
 use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
 use tyndall::output::{self, Format, HALF_MOST, Numbers, OutputSpace, Units};
@@ -29,11 +36,13 @@ use tyndall::{Error, Result};
 /// The sky alone: environment maps, or its values
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Without -o the sky's values are printed alone. A map's colours are photometric (cd/m2); its lower half is a ground of \
+Without -o the sky's values are printed alone, with --until in a row for each step of time. A map's colours are photometric (cd/m2); its lower half is a ground of \
 --albedo lit by sun and sky. In the equirectangular map the middle column looks north (or --north), and east is to its right.\n\n\
 Examples:\n  \
 tyndall sky --at 48.8584,2.2945 --time 2026-06-21T21:30 -o evening.exr -o evening.png\n  \
 tyndall sky --sun 180,30 --sky cie:12 --json\n  \
+tyndall sky --at 48.8584,2.2945 --time 2026-06-21 --until 2026-06-22 --step 30min --csv > day.csv\n  \
+tyndall sky --at 48.8584,2.2945 --time 2026-06-21T21:30 -o - | magick - evening.webp\n  \
 tyndall sky --batch rows.csv > values.csv")]
 pub struct SkyArgs {
     #[command(flatten)]
@@ -45,6 +54,12 @@ pub struct SkyArgs {
     /// Put the sun there instead: degrees, azimuth from north through east; no refraction is added
     #[arg(long, value_name = "AZ,EL", value_parser = pair, allow_hyphen_values = true, conflicts_with_all = ["at", "time"])]
     sun: Option<[f64; 2]>,
+    /// The end of a range that begins at --time: a row of values for each step; it is not in the table itself
+    #[arg(long, value_name = "T", allow_hyphen_values = true, requires = "time", conflicts_with_all = ["output", "sun", "batch"])]
+    until: Option<String>,
+    /// The step of a range: a number of seconds, or with s, min, h, d, as in 30min [default: 1h]
+    #[arg(long, value_name = "STEP", value_parser = step, requires = "until")]
+    step: Option<TimeDelta>,
     /// The azimuth that the map's middle faces (0 is north; then east is to its right)
     #[arg(
         long,
@@ -54,7 +69,7 @@ pub struct SkyArgs {
     )]
     north: f64,
     /// The sky: perez, preetham, hosek, cie:1 to cie:16, uniform:CD_PER_M2
-    #[arg(long, value_name = "MODEL", default_value = "perez")]
+    #[arg(long, value_name = "MODEL", default_value = "perez", value_parser = hinted(text, SKIES), hide_possible_values = true)]
     sky: String,
     /// Turbidity of the clear air: 2 is very clear, 3 ordinary, 6 hazy
     #[arg(long, value_name = "T", default_value_t = DEFAULT_TURBIDITY)]
@@ -68,15 +83,17 @@ pub struct SkyArgs {
     /// Albedo of the ground, 0 to 1
     #[arg(long, value_name = "A", default_value_t = 0.2)]
     albedo: f64,
-    /// A file to write, by its ending .exr, .hdr or .png; may be repeated
-    #[arg(short, long, value_name = "FILE")]
+    /// A file to write, by its ending .exr, .hdr, .png or .jpg, or - for standard output, instead of values; may be repeated
+    #[arg(short, long, value_name = "FILE|-")]
     output: Vec<PathBuf>,
+    #[command(flatten)]
+    format: FormatArgs,
     /// How directions lie in the map
     #[arg(long, value_name = "NAME", default_value = "equirectangular")]
     projection: MapShape,
-    /// Width and height of the map in pixels [default: 2048x1024, 1024x1024 or 3072x512]
+    /// Width and height of the map in pixels, or one of them: 4096, x2048 [default: 2048x1024, 1024x1024 or 3072x512]
     #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Option<[u32; 2]>,
+    size: Option<SizeFlag>,
     /// What paints the map; the CPU finishes one before a graphics adapter is opened
     #[arg(long, value_enum, default_value = "reference")]
     backend: BackendFlag,
@@ -84,10 +101,10 @@ pub struct SkyArgs {
     #[arg(long)]
     without_sun: bool,
     /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2
-    #[arg(long, value_name = "auto|EV", default_value = "auto", allow_negative_numbers = true, value_parser = exposure_flag)]
+    #[arg(long, value_name = "auto|EV", default_value = "auto", allow_negative_numbers = true, value_parser = hinted(exposure_flag, ["auto"]), hide_possible_values = true)]
     exposure: Exposure,
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
-    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = space)]
+    #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = hinted(space, SPACES), hide_possible_values = true)]
     color_space: Space,
     #[command(flatten)]
     numbers: NumbersArgs,
@@ -129,8 +146,23 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         };
         return sky_batch::run(path, form);
     }
-    let formats = output::check_targets(&args.output)?;
-    let subject = subject(args)?;
+    let prints = match (args.form.json, args.form.csv) {
+        (true, _) => Some("what --json prints"),
+        (_, true) => Some("what --csv prints"),
+        _ => None,
+    };
+    if let Some(until) = &args.until {
+        return range(args, until);
+    }
+    let targets = Targets::check(&args.output, args.format, prints)?;
+    let moment = match &args.place.at {
+        Some(site) => {
+            let text = args.time.time.as_deref().unwrap_or("now");
+            Some(args.time.moment(text, Some(site))?)
+        }
+        None => None,
+    };
+    let subject = subject(args, moment.as_ref())?;
     tell::warnings(subject.sky.warnings());
     let mut facts = facts(args, &subject);
     if args.form.json {
@@ -138,7 +170,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         stdout::print_json(&facts)?;
     } else if args.form.csv {
         stdout::print(columns::csv(&[facts]))?;
-    } else {
+    } else if !targets.is_piped() {
         let mut text = String::new();
         for (name, value) in &facts {
             let value = match value {
@@ -169,19 +201,17 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         }
     };
     let space = output_space(args.color_space, args.numbers.numbers(true));
-    say_clamped(&frame, &space, &formats);
-    for (path, format) in args.output.iter().zip(&formats) {
-        match format {
-            Format::Exr => output::exr::write(path, &frame, &space, &[])?,
-            Format::Hdr => output::hdr::write(path, &frame, &space)?,
-            Format::Png => {
-                let ev100 = ev100();
-                let bytes = output::png::encode(&frame, ev100);
-                output::png::write(path, frame.width, frame.height, &bytes)?;
-            }
-        }
-        tell::files(std::slice::from_ref(path));
-    }
+    say_clamped(&frame, &space, &targets.formats());
+    targets.write(|path, format| {
+        // Only what a screen shows has an exposure.
+        let ev100 = if format.is_for_screens() {
+            ev100()
+        } else {
+            0.0
+        };
+        output::picture::write(path, format, &frame, &space, &[], ev100)
+    })?;
+    tell::files(targets.files());
     Ok(())
 }
 
@@ -231,8 +261,101 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The sun and the sky that the flags ask for.
-fn subject(args: &SkyArgs) -> Result<Subject> {
+/// No more rows than these of a range: they are made before the first is printed.
+const MOST_ROWS: i64 = 100_000;
+
+/// Prints a row of values for each step of a range of times.
+fn range(args: &SkyArgs, until: &str) -> Result<()> {
+    let (Some(site), Some(from)) = (&args.place.at, &args.time.time) else {
+        return Err(Error::input(
+            "--until",
+            "a range of times has no place",
+            "give --at LAT,LON and --time T",
+        ));
+    };
+    // A date alone begins with its first moment.
+    let read = |text: &str| -> Result<(DateTime<Utc>, Zone)> {
+        Ok(match civil::date_alone(text)? {
+            Some(date) => {
+                let zone = civil::zone_for(args.time.tz.as_deref(), site, date)?;
+                (zone.day(date)?.0, zone)
+            }
+            None => {
+                let moment = args.time.moment(text, Some(site))?;
+                (moment.utc, moment.clock)
+            }
+        })
+    };
+    let ((start, clock), (end, _)) = (read(from)?, read(until)?);
+    if end <= start {
+        return Err(Error::input(
+            "--until",
+            format!("{until} is not after --time"),
+            "give a later time",
+        ));
+    }
+    let step = args.step.unwrap_or(TimeDelta::hours(1));
+    let milliseconds = |span: TimeDelta| span.num_milliseconds();
+    let count = 1 + (milliseconds(end - start) - 1) / milliseconds(step);
+    if count > MOST_ROWS {
+        return Err(Error::domain(
+            "the number of rows",
+            count,
+            format!("1 to {MOST_ROWS}"),
+            "give a larger --step, or a part of the range",
+        ));
+    }
+    let row = |i: i64| {
+        let utc = start + TimeDelta::milliseconds(i * milliseconds(step));
+        let local = clock.local(utc).to_rfc3339();
+        let moment = args.time.moment(&local, Some(site))?;
+        let mut row = facts(args, &subject(args, Some(&moment))?);
+        // It was not written in this one.
+        row.insert("offset_from".into(), json!(clock.source()));
+        Ok(row)
+    };
+    let rows: Vec<Columns> = (0..count).into_par_iter().map(row).collect::<Result<_>>()?;
+    if args.form.json || args.form.csv {
+        return columns::print(args.form, rows, |_| Ok(()));
+    }
+    let mut out = stdout::lock();
+    table(&mut out, &rows)?;
+    out.finish()
+}
+
+fn utc_text(utc: DateTime<Utc>) -> String {
+    utc.format("%Y-%m-%dT%H:%M:%S%.fZ").to_string()
+}
+
+/// The rows of a range for people: what changes most, briefly.
+fn table(out: &mut Out, rows: &[Columns]) -> Result<()> {
+    const SHOWN: [(&str, &str); 7] = [
+        ("sun_azimuth", "azimuth"),
+        ("sun_elevation_apparent", "elevation"),
+        ("zenith_luminance_cd_m2", "zenith cd/m2"),
+        ("sky_horizontal_illuminance_lx", "sky lx"),
+        ("sun_normal_illuminance_lx", "sun lx"),
+        ("horizontal_illuminance_lx", "ground lx"),
+        ("sky_cct_k", "sky K"),
+    ];
+    let titles: String = SHOWN
+        .iter()
+        .map(|(_, title)| format!("{title:>14}"))
+        .collect();
+    out.line(&format!("{:<26}{titles}", "time"))?;
+    for row in rows {
+        let time = row.get("time").and_then(Value::as_str).unwrap_or_default();
+        let cells = SHOWN.iter().map(|(name, _)| {
+            let number = row.get(*name).and_then(Value::as_f64);
+            format!("{:>14}", number.map_or("\u{2014}".into(), short))
+        });
+        out.line(&format!("{time:<26}{}", cells.collect::<String>()))?;
+    }
+    Ok(())
+}
+
+/// The sun and the sky that the flags ask for, at a moment where they give a place.
+fn subject(args: &SkyArgs, moment: Option<&Moment>) -> Result<Subject> {
     if !args.north.is_finite() {
         return Err(Error::domain(
             "--north",
@@ -265,7 +388,8 @@ fn subject(args: &SkyArgs) -> Result<Subject> {
         let ((sa, ca), (se, ce)) = ((azimuth - args.north * DEG).sin_cos(), elevation.sin_cos());
         DVec3::new(ce * sa, se, -ce * ca)
     };
-    let (at, path, azimuth, facts) = match (args.sun, &args.place.at) {
+    let place = args.place.at.as_ref().zip(moment);
+    let (at, path, azimuth, facts) = match (args.sun, place) {
         (Some([azimuth, elevation]), _) => {
             if !(-90.0..=90.0).contains(&elevation) {
                 return Err(Error::domain(
@@ -286,10 +410,7 @@ fn subject(args: &SkyArgs) -> Result<Subject> {
                 Vec::new(),
             )
         }
-        (None, Some(site)) => {
-            let moment = args
-                .time
-                .moment(args.time.time.as_deref().unwrap_or("now"), Some(site))?;
+        (None, Some((site, moment))) => {
             let weather = args.ephemeris.weather(site)?;
             let sun = sun_position(args.ephemeris.tier, &moment.instant, site, &weather);
             let at = SunAt {
@@ -305,6 +426,7 @@ fn subject(args: &SkyArgs) -> Result<Subject> {
             };
             let facts = vec![
                 ("time", json!(moment.local().to_rfc3339())),
+                ("utc", json!(utc_text(moment.utc))),
                 ("offset_from", json!(moment.offset_source.to_string())),
                 ("latitude", json!(site.latitude_deg())),
                 ("longitude", json!(site.longitude_deg())),
@@ -390,7 +512,7 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
         MapShape::Fisheye => (Projection::Fisheye, [1024, 1024]),
         MapShape::Cube => (Projection::Cube, [3072, 512]),
     };
-    let [width, height] = args.size.unwrap_or(size);
+    let [width, height] = args.size.map_or(size, |own| own.in_shape_of(size));
     let map = Map::new(projection, width, height)?;
     let ground = ground(args, subject);
     let mut backend = machine::open(args.backend.wanted())?;
@@ -399,13 +521,13 @@ fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
             let painted = gpu.paint(&map, &subject.sky, ground)?;
             if let Some(time) = painted.time {
                 let milliseconds = 1e3 * time.as_secs_f64();
-                eprintln!("painted    in {milliseconds:.2} ms on the device");
+                tell::line("painted", format!("in {milliseconds:.2} ms on the device"));
             }
             painted.texels
         }
         Backend::Reference(_) => map.paint(&subject.sky, ground)?,
     };
-    eprintln!("backend    {}", backend.describe());
+    tell::line("backend", backend.describe());
     if !args.without_sun {
         for (texel, light) in map.disc(&subject.light, subject.toward_sun) {
             rgb[texel] = (rgb[texel].as_dvec3() + light).as_vec3();

@@ -1,9 +1,14 @@
-//! What the studies of scenes share: their flags, their scenes, the names of their plots.
+//! What the studies of scenes share: their flags, their scenes, the names of their plots, how far they are.
 
-use crate::arguments::scene::{ViewArgs, setting, size};
+use crate::arguments::hinted::{hinted, text};
+use crate::arguments::scene::{ViewArgs, setting};
+use crate::arguments::size::{SizeFlag, size};
 use crate::plots::plot::{Axis, Plot, Series};
+use crate::progress::{Bar, duration};
+use crate::tell;
 use clap::Args;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 use tyndall::conditions::Conditions;
 use tyndall::error::nearest;
 use tyndall::studies::{lamp_scenes, scenes};
@@ -15,7 +20,7 @@ pub struct StudyArgs {
     #[command(flatten)]
     view: ViewArgs,
     /// With --effect shafts, lamps or radiosity: scenes of the study, separated by commas, or `scene` for the one that is named
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = hinted(text, studies()), hide_possible_values = true)]
     study: Vec<String>,
     /// With --effect shafts, lamps or radiosity: the number of frames; the median of their times is reported
     #[arg(long, value_name = "N", default_value_t = 5)]
@@ -25,10 +30,16 @@ pub struct StudyArgs {
     pub set: Vec<(String, f64)>,
     /// With --effect shafts, lamps or radiosity: the picture's size in pixels, for scenes of the study [default: 512x512; lamps 120x80, radiosity 48x32]
     #[arg(long, value_name = "WxH", value_parser = size)]
-    study_size: Option<[u32; 2]>,
-    /// With --effect shafts, lamps or radiosity: plot error against time (.svg, .png or .html); each scene's name is added to the file's
+    study_size: Option<SizeFlag>,
+    /// With --effect shafts, lamps or radiosity: plot error against time (.svg, .png or .html, repeatable); each scene's name is added to the file's
     #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    plot: Vec<PathBuf>,
+}
+
+/// Scenes of the studies.
+fn studies() -> impl Iterator<Item = &'static str> {
+    let scenes = scenes::NAMES.into_iter().chain(lamp_scenes::NAMES);
+    scenes.chain(["scene"])
 }
 
 impl StudyArgs {
@@ -53,29 +64,97 @@ impl StudyArgs {
                 }
                 let view = scenes::named(&name).or_else(|| lamp_scenes::named(&name));
                 let view = view.ok_or_else(|| {
-                    let names = [&scenes::NAMES[..], &lamp_scenes::NAMES].concat();
-                    let remedy = match nearest(&name, names.iter().copied()) {
+                    let remedy = match nearest(&name, studies()) {
                         Some(near) => format!("did you mean `{near}`?"),
-                        None => format!("there are {}", names.join(", ")),
+                        None => {
+                            let names: Vec<&str> = studies().collect();
+                            format!("there are {}", names.join(", "))
+                        }
                     };
                     Error::input(format!("--study {name}"), "there is no such scene", remedy)
                 })?;
-                Ok((name, view.conditions(self.study_size.unwrap_or(size))?))
+                Ok((
+                    name,
+                    view.conditions(self.study_size.map_or(size, |own| own.in_shape_of(size)))?,
+                ))
             })
             .collect()
     }
 
+    /// Says what a study will measure and for about how long, where a setting in a scene of `size` takes `seconds` on two cores, and begins.
+    pub fn watch(
+        &self,
+        scenes: &[(String, Conditions)],
+        settings: usize,
+        (size, seconds): ([u32; 2], f64),
+    ) -> Watch {
+        let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+        let all = scenes.iter().map(|(_, c)| pixels(c.view.size)).sum::<f64>() / pixels(size);
+        // A truth takes about as long as the settings that are compared with it.
+        let runs = settings as f64 * (1.0 + self.frames as f64) / 6.0;
+        let cores = rayon::current_num_threads() as f64;
+        let names = scenes.iter().map(|(name, conditions)| {
+            let [width, height] = conditions.view.size;
+            format!("{name} ({width} x {height})")
+        });
+        tell::line(
+            "study",
+            format!(
+                "{settings} settings, {} frames of each, in {}; roughly {}",
+                self.frames,
+                names.collect::<Vec<_>>().join(", "),
+                duration(all * runs * seconds * 2.0 / cores),
+            ),
+        );
+        Watch {
+            bar: tell::bar(),
+            begun: Instant::now(),
+            runs: scenes.len() * (settings + 1),
+            done: 0,
+        }
+    }
+
     /// Saves the plot of a scene's study, if one was asked for.
     pub fn save(&self, scene: &str, plot: impl FnOnce() -> Plot) -> Result<()> {
-        let Some(path) = &self.plot else {
-            return Ok(());
-        };
-        let plot = plot();
-        if plot.series.is_empty() {
-            eprintln!("note: {scene} has none of the light that is measured: no plot");
+        if self.plot.is_empty() {
             return Ok(());
         }
-        plot.save(&named(path, scene))
+        let plot = plot();
+        if plot.series.is_empty() {
+            tell::line(
+                "note",
+                format!("{scene} has none of the light that is measured: no plot"),
+            );
+            return Ok(());
+        }
+        let mut paths = self.plot.iter();
+        paths.try_for_each(|path| plot.save(&named(path, scene)))
+    }
+}
+
+/// How far a study is.
+pub struct Watch {
+    bar: Bar,
+    begun: Instant,
+    runs: usize,
+    done: usize,
+}
+
+impl Watch {
+    /// The next of its runs begins: a truth, or a setting.
+    pub fn next(&mut self, scene: &str, what: &str) {
+        let share = self.done as f64 / self.runs as f64;
+        let left = match self.done {
+            0 => String::new(),
+            _ => {
+                let gone = self.begun.elapsed().as_secs_f64();
+                format!(", about {} left", duration(gone * (1.0 - share) / share))
+            }
+        };
+        self.done += 1;
+        let (done, of) = (self.done, self.runs);
+        self.bar
+            .show(&format!("{scene}, {what}: {done} of {of}{left}"), share);
     }
 }
 

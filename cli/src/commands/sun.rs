@@ -15,8 +15,8 @@ use tyndall::{Error, Result};
 use super::sun_events;
 use super::sun_place::Place;
 use crate::arguments::form::FormArgs;
-use crate::arguments::place_time::{self, PlaceArgs, TimeArgs};
-use crate::plots::sun_path;
+use crate::arguments::place_time::{self, PlaceArgs, TimeArgs, step};
+use crate::plots::sun_path::{self, Marked};
 use crate::tables::printer::{As, Form};
 use crate::tables::rows::Rows;
 use crate::tables::stdout;
@@ -66,7 +66,8 @@ pub struct SunArgs {
     /// With --batch: stop at the first broken row, and print nothing
     #[arg(long, requires = "batch")]
     strict: bool,
-    /// Draw the sun's paths over the year, stereographic and cartesian, as .svg or .png (repeatable)
+    /// Draw the sun's paths over the year, stereographic and cartesian, as .svg or .png, with the sun at --time or the paths of its date and
+    /// of those up to --until (repeatable)
     #[arg(long, value_name = "FILE")]
     plot: Vec<PathBuf>,
     #[command(flatten)]
@@ -124,10 +125,11 @@ pub fn run(args: &SunArgs) -> Result<()> {
             year,
             args.sun.tier,
             args.time.delta_t,
+            &context.marked(&when)?,
         )?;
         for path in &args.plot {
             drawing.save(path)?;
-            eprintln!("wrote {}", tell::clean(&path.display().to_string()));
+            tell::files(std::slice::from_ref(path));
         }
         // A picture was asked for; numbers only where a time was, too.
         if args.time.time.is_none() {
@@ -170,6 +172,29 @@ pub fn run(args: &SunArgs) -> Result<()> {
     }
 }
 
+impl Context<'_> {
+    /// What the sun-path diagram marks: the sun at --time, or the path of its date, or those up to --until.
+    fn marked(&self, when: &When) -> Result<Marked> {
+        if self.args.time.time.is_none() {
+            return Ok(Marked::default());
+        }
+        let (first, instant) = match when {
+            When::Day(date, _) => (*date, None),
+            When::Moment(moment) => (moment.local().date_naive(), Some(moment.utc)),
+        };
+        Ok(match &self.args.until {
+            Some(_) => Marked {
+                instant: None,
+                dates: Some([first, self.last_date(first)?]),
+            },
+            None => Marked {
+                instant,
+                dates: Some([first, first]),
+            },
+        })
+    }
+}
+
 enum When {
     Day(NaiveDate, Zone),
     Moment(Box<Moment>),
@@ -185,31 +210,6 @@ fn zone(args: &SunArgs, site: &Site, date: NaiveDate) -> Result<Zone> {
         ));
     }
     civil::zone_for(args.time.tz.as_deref(), site, date)
-}
-
-/// `90`, `90s`, `10m` or `10min`, `1h` or `1d`.
-fn step(text: &str) -> Result<TimeDelta, String> {
-    let text = text.trim();
-    let (number, unit) = text.split_at(
-        text.trim_end_matches(|c: char| c.is_ascii_alphabetic())
-            .len(),
-    );
-    let unit = match unit {
-        "" | "s" | "sec" => 1.0,
-        "m" | "min" => 60.0,
-        "h" => 3600.0,
-        "d" => 86_400.0,
-        _ => return Err(format!("`{unit}` is no unit of time: write s, min, h or d")),
-    };
-    let seconds = number
-        .trim()
-        .parse::<f64>()
-        .map_err(|_| "write a number with s, min, h or d, as in 10min")?
-        * unit;
-    if !(1e-3..=1e9).contains(&seconds) {
-        return Err("a step is between a millisecond and 1e9 seconds".into());
-    }
-    Ok(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
 }
 
 struct Context<'a> {

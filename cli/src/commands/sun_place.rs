@@ -57,15 +57,9 @@ impl Place {
 
     /// The place and its air, in words.
     pub fn text(&self) -> String {
-        let letter = |value: f64, letters: [char; 2]| {
-            // As people write it: 0.1 m on the ground are a millionth of a degree.
-            let degrees = (value.abs() * 1e6).round() / 1e6;
-            format!("{degrees}°{}", letters[usize::from(value < 0.0)])
-        };
         format!(
-            "{}, {}, {} m; air of {:.1} hPa and {:.1} °C",
-            letter(self.site.latitude_deg(), ['N', 'S']),
-            letter(self.site.longitude_deg(), ['E', 'W']),
+            "{}, {} m; air of {:.1} hPa and {:.1} °C",
+            self.site.coordinates(),
             self.site.elevation(),
             self.weather.pressure_hpa(),
             self.weather.temperature_c()

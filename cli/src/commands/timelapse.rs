@@ -5,6 +5,7 @@ use crate::arguments::picture::PictureArgs;
 use crate::arguments::scene::{PlanArgs, ViewArgs};
 use crate::commands::timelapse_film::{self, FilmArgs};
 use crate::machine;
+use crate::progress::duration;
 use crate::signals;
 use crate::tables::stdout;
 use crate::tell;
@@ -16,7 +17,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 use tyndall::Result;
 use tyndall::backend::choose::choose;
-use tyndall::backend::{Backend, Limits};
+use tyndall::backend::{Backend, Limits, Step};
 use tyndall::conditions::Request;
 use tyndall::ephemeris::Site;
 use tyndall::ephemeris::civil::{self, Reading};
@@ -67,7 +68,7 @@ pub struct TimelapseArgs {
     /// So many frames, with one at each end
     #[arg(long, value_name = "N", conflicts_with = "every")]
     frames: Option<u64>,
-    /// The frames' files, by their ending .png, .exr or .hdr, with {frame:04}, #### or %04d for the index; may be repeated
+    /// The frames' files, by their ending .png, .jpg, .exr or .hdr, with {frame:04}, #### or %04d for the index; may be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<String>,
     /// The index of the first frame
@@ -97,7 +98,6 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     Outputs::new(outputs.clone())?;
     let formats = outputs.iter().map(Template::format);
     args.picture.check(&formats.collect::<Result<Vec<_>>>()?)?;
-    let layers = args.picture.layers()?;
     if args.plan.within.is_some() {
         return Err(Error::input(
             "--within",
@@ -114,6 +114,7 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let conditions = args.view.conditions_of(scene)?;
     let mut overrules = args.plan.overrules();
     Plan::new(&conditions, &overrules)?;
+    let layers = args.picture.layers(&conditions, &overrules)?;
     let in_use = args.view.scene.files(&conditions.scene);
     let (first, count) = (args.start_number, when.count());
     let plan_file = plan::beside(&outputs[0]);
@@ -158,7 +159,8 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
         tell::chosen(&chosen.why);
         overrules = chosen.overrules;
     }
-    tell::plan(&Plan::new(&conditions, &overrules)?, &backend.describe());
+    let usual = Plan::new(&conditions, &overrules)?;
+    tell::plan(&usual, &overrules, &backend.describe());
     let warnings = conditions.warnings.clone();
     let sequence = Sequence::new(Asked {
         exposure: args.picture.ev100(&conditions.scene),
@@ -305,14 +307,13 @@ impl Run<'_> {
     fn plan(&self, backend: &mut Backend) -> Result<tyndall::timelapse::Planned> {
         let bar = tell::bar();
         let mut told = |done: usize, of: usize| {
-            bar.set_message(format!("exposure, key frame {done} of {of}"));
-            bar.set_position((1000 * done / of.max(1)) as u64);
+            let share = done as f64 / of.max(1) as f64;
+            bar.step(Step {
+                stage: "key frames, for the exposure",
+                share,
+            });
         };
-        let planned = self
-            .sequence
-            .plan(backend, self.limits, &|_| {}, &mut told)?;
-        bar.finish_and_clear();
-        Ok(planned)
+        self.sequence.plan(backend, self.limits, &|_| {}, &mut told)
     }
 
     /// What is to be done of these lines.
@@ -354,6 +355,8 @@ impl Run<'_> {
                 (planned.header, work)
             }
         };
+        let odd = self.sequence.odd_exposures(&header.exposure)?;
+        tell::warnings(&odd);
         let bytes = self.sequence.bytes() * work.frames.len() as u64;
         if self.args.json {
             return stdout::print_json(&json!({
@@ -363,6 +366,7 @@ impl Run<'_> {
                 "there": work.there,
                 "predicted_seconds": work.seconds,
                 "bytes_at_most": bytes,
+                "warnings": self.warnings.iter().chain(&odd).collect::<Vec<_>>(),
             }));
         }
         let Work { frames, there, .. } = &work;
@@ -381,6 +385,8 @@ impl Run<'_> {
     fn render(&self, reader: Reader, backend: &mut Backend) -> Result<()> {
         let start = Instant::now();
         tell::line("exposure", exposure(&reader.header));
+        let odd = self.sequence.odd_exposures(&reader.header.exposure)?;
+        tell::warnings(&odd);
         let work = self.work(reader)?;
         self.sequence.outputs().sweep(work.frames.iter().copied());
         tell::line(
@@ -411,6 +417,7 @@ impl Run<'_> {
                 "made": made,
                 "there": there,
                 "seconds": seconds,
+                "warnings": self.warnings.iter().chain(&odd).collect::<Vec<_>>(),
                 "assembled": film,
             }))?;
         }
@@ -484,17 +491,18 @@ impl Run<'_> {
                 false => work.seconds,
             };
             let before = predicted;
-            bar.set_message(format!(
+            let words = format!(
                 "frame {}, {} of {}, {} left",
                 line.index,
                 *made + 1,
                 work.frames.len(),
                 duration(left(before))
-            ));
+            );
             let share = |share: f64| (before + share * line.predicted_seconds) / work.seconds;
-            let progress = |step: tyndall::backend::Step| {
+            bar.show(&words, share(0.0));
+            let progress = |step: Step| {
                 if step.stage == tyndall::backend::PICTURE {
-                    bar.set_position((1000.0 * share(step.share)) as u64);
+                    bar.show(&words, share(step.share));
                 }
             };
             let begun = Instant::now();
@@ -502,7 +510,8 @@ impl Run<'_> {
                 .render(&line, backend, self.limits, &progress)?;
             *made += 1;
             predicted += line.predicted_seconds;
-            if bar.is_hidden() {
+            if bar.takes_lines() {
+                bar.spoke();
                 tell::line(
                     "frame",
                     format!(
@@ -515,7 +524,6 @@ impl Run<'_> {
                 );
             }
         }
-        bar.finish_and_clear();
         Ok(())
     }
 }
@@ -536,20 +544,15 @@ fn exposure(header: &Header) -> String {
     }
 }
 
-/// A time [s] as people say it.
-fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 99.5 => format!("{s:.0} s"),
-        s if s < 5970.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
-    }
-}
-
 /// The command line that makes the frames of the whole sequence: without what chooses a part of it, how it is told, and what is made of
 /// them.
 fn command(arguments: &[OsString]) -> String {
-    const PARTS: [(&str, bool); 4] = [
+    const PARTS: [(&str, bool); 8] = [
         ("--only", true),
+        ("--quiet", false),
+        ("-q", false),
+        ("--verbose", false),
+        ("-v", false),
         ("--shard", true),
         ("--dry-run", false),
         ("--json", false),

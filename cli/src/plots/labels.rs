@@ -49,6 +49,21 @@ impl Room {
         self.lines.extend(points.windows(2).map(|p| [p[0], p[1]]));
     }
 
+    /// Occupies the area of a size around a place, if it is free and inside the frame.
+    pub fn claim(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2]) -> bool {
+        let area = [
+            x - 0.5 * width,
+            y - 0.5 * height,
+            x + 0.5 * width,
+            y + 0.5 * height,
+        ];
+        let is_free = within(area, self.frame) && !self.taken.iter().any(|t| meet(area, *t));
+        if is_free {
+            self.taken.push(area);
+        }
+        is_free
+    }
+
     /// The best place for a label of a width and a height, which it then occupies; `None` where every place costs too much.
     pub fn place(&mut self, at: [f64; 2], size: [f64; 2]) -> Option<Place> {
         let mut best: Option<(f64, Place, Area)> = None;

@@ -9,6 +9,7 @@ use tyndall::output::atomic;
 use tyndall::output::canvas::Color;
 use tyndall::output::drawing::{Drawing, escaped};
 use tyndall::output::lettering::{Anchor, text_width};
+use tyndall::studies::pareto;
 use tyndall::{Error, Result};
 
 const INK: Color = [25, 25, 25];
@@ -63,7 +64,7 @@ pub struct Point {
     pub on_front: bool,
 }
 
-/// Measurements that belong together, in the order in which a line joins them.
+/// Measurements that belong together. A line joins those that no other of them beats, so that it falls and never turns back.
 #[derive(Debug, Clone)]
 pub struct Series {
     /// What the legend says.
@@ -151,8 +152,8 @@ impl Plot {
         drawing.line(front.clone(), FRONT_WIDTH, FRONT, None);
         chart.frame(&mut drawing);
         for style in &styles {
-            let points = style.series.points.iter().map(|p| chart.at(p));
-            drawing.line(points.collect(), style.width, style.color, style.dash);
+            let line = style.series.line(&chart);
+            drawing.line(line, style.width, style.color, style.dash);
         }
         for style in &styles {
             for point in &style.series.points {
@@ -232,9 +233,9 @@ impl Plot {
         let mut room = Room::new(chart.area);
         room.line(front);
         for style in styles {
-            let points: Vec<_> = style.series.points.iter().map(|p| chart.at(p)).collect();
-            room.line(&points);
-            points.iter().for_each(|p| room.mark(*p, MARKER + 1.0));
+            room.line(&style.series.line(chart));
+            let points = style.series.points.iter();
+            points.for_each(|p| room.mark(chart.at(p), MARKER + 1.0));
         }
         for on_front in [true, false] {
             for style in styles {
@@ -270,6 +271,17 @@ impl Plot {
             lines.push("on the Pareto front".into());
         }
         lines.join("\n")
+    }
+}
+
+impl Series {
+    /// Through those of its points that none costs less and errs less than, from the cheapest on.
+    fn line(&self, chart: &Chart) -> Vec<[f64; 2]> {
+        let pairs: Vec<[f64; 2]> = self.points.iter().map(|p| [p.x, p.y]).collect();
+        let points = self.points.iter().zip(pareto::front(&pairs));
+        let mut best: Vec<&Point> = points.filter(|(_, on)| *on).map(|(p, _)| p).collect();
+        best.sort_by(|a, b| a.x.total_cmp(&b.x));
+        best.into_iter().map(|point| chart.at(point)).collect()
     }
 }
 
@@ -518,7 +530,30 @@ fn significant(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tyndall::studies::pareto;
+
+    #[test]
+    fn a_line_falls_and_never_turns_back() {
+        let mut plot = sample();
+        let point = |x, y| Point {
+            x,
+            y,
+            label: String::new(),
+            on_front: false,
+        };
+        // Dearer and worse; dearer and better; cheaper than the last.
+        plot.series[0].points = [(2.0, 5.0), (3.0, 6.0), (8.0, 2.0), (4.0, 3.0), (9.0, 2.5)]
+            .map(|(x, y)| point(x, y))
+            .to_vec();
+        let chart = Chart::new(&plot, [LEFT, TOP, 800.0, BOTTOM]).expect("they have places");
+        let line = plot.series[0].line(&chart);
+        let expected = [(2.0, 5.0), (4.0, 3.0), (8.0, 2.0)].map(|(x, y)| chart.at(&point(x, y)));
+        assert_eq!(line, expected);
+        // Lower errors stand lower on the page.
+        assert!(
+            line.windows(2)
+                .all(|p| p[1][0] > p[0][0] && p[1][1] > p[0][1])
+        );
+    }
 
     /// A plot of made-up numbers: four methods that get better with steps, at their own rates and prices.
     fn sample() -> Plot {

@@ -1,5 +1,6 @@
 //! The sun-path diagram: where the sun stands at every hour of the year, as a dome seen from above and as a panorama.
 
+use crate::plots::labels::Room;
 use chrono::{DateTime, Datelike, NaiveDate, TimeDelta, Utc};
 use tyndall::ephemeris::civil::{Zone, offset_text};
 use tyndall::ephemeris::{Almanac, Instant, Site, SunPosition, Tier, Weather};
@@ -13,6 +14,14 @@ const INK: Color = [20, 20, 20];
 const GRID: Color = [190, 190, 190];
 const PATH: Color = [190, 70, 0];
 const HOUR: Color = [20, 70, 150];
+const MARKED: Color = [0, 120, 85];
+const SUN: Color = [255, 200, 40];
+
+/// No more paths of dates than these are drawn: of a longer range some of them, evenly.
+const MOST_PATHS: usize = 13;
+
+/// Radius of the sun's mark.
+const MARK: f64 = 11.0;
 
 const DOME: [f64; 2] = [400.0, 500.0];
 const RADIUS: f64 = 335.0;
@@ -21,6 +30,15 @@ const PANORAMA: [f64; 4] = [850.0, 165.0, 1550.0, 835.0];
 
 /// A place on the sky [degrees].
 type Sky = (f64, f64);
+
+/// What a diagram marks of its year.
+#[derive(Debug, Clone, Default)]
+pub struct Marked {
+    /// The sun at this instant.
+    pub instant: Option<DateTime<Utc>>,
+    /// The paths of the dates from the first to the last.
+    pub dates: Option<[NaiveDate; 2]>,
+}
 
 /// Draws the diagram of a year at a site. Elevations are apparent ones; hours are those of the clock's standard time.
 ///
@@ -32,23 +50,16 @@ pub fn draw(
     year: i32,
     tier: Tier,
     delta_t: Option<f64>,
+    marked: &Marked,
 ) -> Result<Drawing> {
     let year = Year::new(site, clock, year, tier, delta_t)?;
     let mut drawing = Drawing::new(1600.0, 930.0);
-    let letter = |value: f64, letters: [char; 2]| {
-        format!("{}° {}", value.abs(), letters[usize::from(value < 0.0)])
-    };
     drawing.text(
         [800.0, 40.0],
         30.0,
         Anchor::Middle,
         INK,
-        format!(
-            "Sun paths at {}, {} in {}",
-            letter(site.latitude_deg(), ['N', 'S']),
-            letter(site.longitude_deg(), ['E', 'W']),
-            year.number
-        ),
+        format!("Sun paths at {} in {}", site.coordinates(), year.number),
     );
     drawing.text(
         [800.0, 78.0],
@@ -125,10 +136,21 @@ pub fn draw(
             PATH,
             Some([7.0, 5.0]),
         );
-        hour_labels(&mut drawing, &year, project);
-        date_labels(&mut drawing, &year, project);
+        let mut dates = marked.dates.map_or(Vec::new(), of_range);
+        dates.retain(|date| date.year() == year.number);
+        for date in &dates {
+            let path = year.path(*date);
+            plot(&mut drawing, &path, project, wraps, 1.2, MARKED, None);
+        }
+        let mut room = room(number);
+        if let Some(instant) = marked.instant {
+            sun_mark(&mut drawing, &mut room, (&year, clock, instant), project);
+        }
+        date_labels(&mut drawing, &mut room, &year, project);
+        marked_labels(&mut drawing, &mut room, (&year, &dates), project);
+        hour_labels(&mut drawing, &mut room, &year, project);
     }
-    legend(&mut drawing, &year);
+    legend(&mut drawing, (&year, clock), marked);
     Ok(drawing)
 }
 
@@ -406,79 +428,179 @@ fn plot(
     drawing.line(line, width, color, dash);
 }
 
-/// Each hour's number, beyond the end of its line on the higher solstice, or on the other.
-fn hour_labels(drawing: &mut Drawing, year: &Year, project: &dyn Fn(Sky) -> [f64; 2]) {
-    let [_, june, _, december] = year.turns;
-    let (high, low) = if year.site.latitude_deg() < 0.0 {
-        (december, june)
-    } else {
-        (june, december)
-    };
-    for hour in 0..24 {
-        let seconds = 3600 * hour;
-        let near = |date: NaiveDate| {
-            let toward = if date == high { 12 } else { -12 };
-            (
-                year.sky(date, seconds),
-                year.sky(high - TimeDelta::days(toward * 3), seconds),
-            )
-        };
-        let (place, inward) = [near(high), near(low)]
-            .into_iter()
-            .find(|(p, _)| p.1 > 1.0)
-            .unwrap_or(((0.0, -1.0), (0.0, 0.0)));
-        if place.1 < 0.0 {
-            continue;
+/// The room for labels in the dome (0) or the panorama (1), without what their grids write there.
+fn room(chart: usize) -> Room {
+    let [left, top, right, bottom] = PANORAMA;
+    if chart == 1 {
+        return Room::new([left, top - 20.0, right, bottom]);
+    }
+    let mut room = Room::new([0.0, 95.0, 800.0, 900.0]);
+    for azimuth in (0..360).step_by(15) {
+        let (sin, cos) = (f64::from(azimuth) * DEG).sin_cos();
+        if azimuth % 45 == 0 || azimuth % 30 == 0 {
+            let r = RADIUS + 23.0;
+            room.mark([DOME[0] + r * sin, DOME[1] - r * cos], 13.0);
         }
-        let (at, from) = (project(place), project(inward));
-        let length = (at[0] - from[0]).hypot(at[1] - from[1]).max(1e-6);
-        let offset = if length > 200.0 {
-            [0.0, -14.0]
-        } else {
-            [
-                14.0 * (at[0] - from[0]) / length,
-                14.0 * (at[1] - from[1]) / length,
-            ]
-        };
-        drawing.text(
-            [at[0] + offset[0], at[1] + offset[1]],
-            15.0,
-            Anchor::Middle,
-            HOUR,
-            hour.to_string(),
+    }
+    for elevation in (10..90).step_by(20) {
+        room.mark(dome((0.0, f64::from(elevation))), 9.0);
+    }
+    room
+}
+
+/// The dates from the first to the last, both among them.
+fn of_range([first, last]: [NaiveDate; 2]) -> Vec<NaiveDate> {
+    let days = (last - first).num_days().max(0) as usize;
+    let paths = MOST_PATHS.min(days + 1);
+    (0..paths)
+        .map(|i| first + TimeDelta::days((i * days / (paths - 1).max(1)) as i64))
+        .collect()
+}
+
+/// `21 Jun`.
+fn day_text(date: NaiveDate) -> String {
+    date.format("%-d %b").to_string()
+}
+
+/// The sun at an instant, with its time; nothing of it below the horizon.
+fn sun_mark(
+    drawing: &mut Drawing,
+    room: &mut Room,
+    (year, clock, instant): (&Year, &Zone, DateTime<Utc>),
+    project: &dyn Fn(Sky) -> [f64; 2],
+) {
+    let sun = year.at(instant);
+    let sky = (sun.azimuth_deg(), sun.elevation_apparent_deg());
+    if sky.1 < 0.0 {
+        return;
+    }
+    let at = project(sky);
+    let corner = |i: u32| {
+        let (sin, cos) = (f64::from(i) * 10.0 * DEG).sin_cos();
+        [at[0] + MARK * cos, at[1] + MARK * sin]
+    };
+    let time = clock.local(instant);
+    let tip = format!(
+        "{}: azimuth {:.2}, elevation {:.2} degrees",
+        time.format("%Y-%m-%d %H:%M"),
+        sky.0,
+        sky.1
+    );
+    drawing.shape((0..36).map(corner).collect(), SUN, 2.0, INK, tip);
+    room.mark(at, MARK + 2.0);
+    let text = time.format("%H:%M").to_string();
+    for offset in [[0.0, -24.0], [0.0, 24.0], [36.0, 0.0], [-36.0, 0.0]] {
+        let place = [at[0] + offset[0], at[1] + offset[1]];
+        if room.claim(place, [text_width(&text, 16.0) + 4.0, 18.0]) {
+            drawing.text(place, 16.0, Anchor::Middle, INK, text);
+            return;
+        }
+    }
+}
+
+/// The first and the last date of a range, on their paths in the morning, where those of the year's turns are not.
+fn marked_labels(
+    drawing: &mut Drawing,
+    room: &mut Room,
+    (year, dates): (&Year, &[NaiveDate]),
+    project: &dyn Fn(Sky) -> [f64; 2],
+) {
+    let last = dates.last().filter(|_| dates.len() > 1);
+    for date in dates.first().into_iter().chain(last) {
+        path_label(
+            drawing,
+            room,
+            (year, *date),
+            project,
+            (MARKED, day_text(*date)),
         );
     }
 }
 
-/// The dates of solstices and equinoxes, on their paths.
-fn date_labels(drawing: &mut Drawing, year: &Year, project: &dyn Fn(Sky) -> [f64; 2]) {
-    let [march, june, september, december] = year.turns;
-    let text = |date: NaiveDate| {
-        const MONTHS: [&str; 4] = ["Mar", "Jun", "Sep", "Dec"];
-        format!("{} {}", date.day(), MONTHS[date.month0() as usize / 3])
-    };
-    for (date, label) in [
-        (june, text(june)),
-        (march, format!("{}, {}", text(march), text(september))),
-        (december, text(december)),
-    ] {
-        // Half an hour before the highest, between two hour lines.
-        let highest = (0..288)
-            .max_by(|&a, &b| {
-                year.sky(date, 300 * a)
-                    .1
-                    .total_cmp(&year.sky(date, 300 * b).1)
-            })
-            .unwrap_or(144);
-        let place = year.sky(date, 300 * highest - 2100);
-        if place.1 < 2.0 {
-            continue;
+/// Writes along a path, between two hour lines, where there is room: from the highest place on, toward the morning and then the evening.
+fn path_label(
+    drawing: &mut Drawing,
+    room: &mut Room,
+    (year, date): (&Year, NaiveDate),
+    project: &dyn Fn(Sky) -> [f64; 2],
+    (color, text): (Color, String),
+) {
+    let highest = (0..288)
+        .max_by(|&a, &b| {
+            let height = |step: i64| year.sky(date, 300 * step).1;
+            height(a).total_cmp(&height(b))
+        })
+        .unwrap_or(144);
+    let size = [text_width(&text, 14.0) + 4.0, 16.0];
+    for hours in [0, -1, 1, -2, 2, -3, 3, -4, 4] {
+        let sky = year.sky(date, 300 * highest - 2100 + 3600 * hours);
+        let place = project(sky);
+        if sky.1 >= 2.0 && room.claim(place, size) {
+            drawing.text(place, 14.0, Anchor::Middle, color, text);
+            return;
         }
-        drawing.text(project(place), 14.0, Anchor::Middle, PATH, label);
     }
 }
 
-fn legend(drawing: &mut Drawing, year: &Year) {
+/// Each hour's number, beyond the end of its line on the higher solstice, or on the other; none where there is no room.
+fn hour_labels(
+    drawing: &mut Drawing,
+    room: &mut Room,
+    year: &Year,
+    project: &dyn Fn(Sky) -> [f64; 2],
+) {
+    let [_, june, _, december] = year.turns;
+    let ends = match year.site.latitude_deg() < 0.0 {
+        true => [december, june],
+        false => [june, december],
+    };
+    for hour in 0..24 {
+        let (seconds, text) = (3600 * hour, hour.to_string());
+        let size = [text_width(&text, 15.0) + 4.0, 16.0];
+        let places = ends.into_iter().flat_map(|date| {
+            let sky = year.sky(date, seconds);
+            // The line comes from there.
+            let from = project(year.sky(date - TimeDelta::days(36), seconds));
+            let at = project(sky);
+            let way = [at[0] - from[0], at[1] - from[1]];
+            let length = way[0].hypot(way[1]).max(1e-6);
+            // Lines of a few days, or over the panorama's edge, have no direction.
+            let direction = match (2.0..200.0).contains(&length) {
+                true => way.map(|d| d / length),
+                false => [0.0, -1.0],
+            };
+            let is_up = sky.1 > 1.0;
+            let offsets = [14.0, 24.0].into_iter().filter(move |_| is_up);
+            offsets.map(move |r| [at[0] + r * direction[0], at[1] + r * direction[1]])
+        });
+        for place in places {
+            if room.claim(place, size) {
+                drawing.text(place, 15.0, Anchor::Middle, HOUR, text);
+                break;
+            }
+        }
+    }
+}
+
+/// The dates of solstices and equinoxes, on their paths.
+fn date_labels(
+    drawing: &mut Drawing,
+    room: &mut Room,
+    year: &Year,
+    project: &dyn Fn(Sky) -> [f64; 2],
+) {
+    let [march, june, september, december] = year.turns;
+    let both = format!("{}, {}", day_text(march), day_text(september));
+    for (date, text) in [
+        (june, day_text(june)),
+        (march, both),
+        (december, day_text(december)),
+    ] {
+        path_label(drawing, room, (year, date), project, (PATH, text));
+    }
+}
+
+fn legend(drawing: &mut Drawing, (year, clock): (&Year, &Zone), marked: &Marked) {
     let [march, june, september, december] = year.turns;
     let mut x = 800.0;
     let mut entry = |width: f64, color: Color, dash: Option<[f64; 2]>, text: String| {
@@ -509,4 +631,23 @@ fn legend(drawing: &mut Drawing, year: &Year) {
         format!("solstice {}", december.format("%d/%m")),
     );
     entry(1.1, HOUR, Some([5.0, 3.0]), "hours".into());
+    let (color, text) = match (marked.instant, marked.dates) {
+        (Some(instant), _) => {
+            let sun = year.at(instant);
+            let elevation = sun.elevation_apparent_deg();
+            let time = clock.local(instant).format("%Y-%m-%d %H:%M");
+            let place = match elevation < 0.0 {
+                true => format!("the sun is {:.1} degrees below the horizon", -elevation),
+                false => format!(
+                    "azimuth {:.1}, elevation {elevation:.1} degrees",
+                    sun.azimuth_deg()
+                ),
+            };
+            (INK, format!("{time}: {place}"))
+        }
+        (None, Some([first, last])) if first == last => (MARKED, first.to_string()),
+        (None, Some([first, last])) => (MARKED, format!("{first} to {last}")),
+        (None, None) => return,
+    };
+    drawing.text([24.0, 106.0], 15.0, Anchor::Start, color, text);
 }

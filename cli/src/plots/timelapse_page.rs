@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use tyndall::ephemeris::coordinates;
 use tyndall::output::drawing::{data_link, escaped};
 use tyndall::timelapse::cluster;
 use tyndall::timelapse::film::Film;
@@ -102,11 +103,8 @@ impl Page<'_> {
             (
                 "place",
                 format!(
-                    "{:.5}° {}, {:.5}° {}, {:.0} m above the sea",
-                    site.latitude_deg.abs(),
-                    if site.latitude_deg < 0.0 { "S" } else { "N" },
-                    site.longitude_deg.abs(),
-                    if site.longitude_deg < 0.0 { "W" } else { "E" },
+                    "{}, {:.0} m above the sea",
+                    coordinates(site.latitude_deg, site.longitude_deg),
                     site.elevation
                 ),
             ),

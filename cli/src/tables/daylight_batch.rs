@@ -110,12 +110,12 @@ impl Together for Meter<'_> {
         self.choose(&conditions)?;
         let plan = Plan::new(&conditions, &self.overrules)?;
         if self.done.first.is_none() {
-            tell::plan(&plan, &self.backend.describe());
+            tell::plan(&plan, &self.overrules, &self.backend.describe());
         }
         let bar = tell::bar();
-        let step = |step| tell::step(&bar, step);
+        let step = |step| bar.step(step);
         let mut rendered = self.backend.render(&plan, &self.limits, &step)?;
-        bar.finish_and_clear();
+        drop(bar);
         let stages = work::stages(&self.backend, &rendered);
         let done = &mut self.done;
         done.points += count;
