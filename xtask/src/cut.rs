@@ -109,10 +109,6 @@ fn cut(files: &Files, modules: &[&str], suites: &[&str]) -> Result<Files, String
                 kept.insert(name.clone(), text.into_bytes());
                 continue;
             }
-            ["Cargo.toml"] => {
-                kept.insert(name.clone(), manifest(text)?.into_bytes());
-                continue;
-            }
             ["src", ..] => modules.contains(stem(parts[1])),
             ["tests", file] if file.ends_with(".rs") => suites.contains(&stem(file)),
             ["tests", "common", ..] => shared.contains(stem(parts[2])),
@@ -122,6 +118,13 @@ fn cut(files: &Files, modules: &[&str], suites: &[&str]) -> Result<Files, String
         if keep {
             kept.insert(name.clone(), text.clone());
         }
+    }
+    if let Some(whole) = files.get("Cargo.toml") {
+        let rust = kept.iter().filter(|(name, _)| name.ends_with(".rs"));
+        let texts: String = rust
+            .map(|(_, text)| code(&String::from_utf8_lossy(text)))
+            .collect();
+        kept.insert("Cargo.toml".into(), manifest(whole, &texts)?.into_bytes());
     }
     Ok(kept)
 }
@@ -226,8 +229,8 @@ fn without(text: &str, kept: &BTreeSet<String>) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The manifest of the library alone. Its own code is compiled in a hurry.
-fn manifest(text: &[u8]) -> Result<String, String> {
+/// The manifest of the library alone, with the dependencies that `code` names.
+fn manifest(text: &[u8], code: &str) -> Result<String, String> {
     let text = String::from_utf8_lossy(text);
     let wrong = |e: &dyn std::fmt::Display| format!("Cargo.toml: {e}");
     let mut all: toml::Table = toml::from_str(&text).map_err(|e| wrong(&e))?;
@@ -236,15 +239,18 @@ fn manifest(text: &[u8]) -> Result<String, String> {
         workspace.remove("default-members");
     }
     all.remove("bench");
-    let own = ["profile", "breaks", "package", "tyndall"];
-    let mut at = &mut all;
-    for key in own {
-        let inner = at.entry(key).or_insert_with(|| toml::Table::new().into());
-        at = inner
-            .as_table_mut()
-            .ok_or_else(|| wrong(&format!("`{key}` is no table")))?;
+    all.remove("target");
+    for kind in ["dependencies", "dev-dependencies"] {
+        if let Some(toml::Value::Table(all)) = all.get_mut(kind) {
+            all.retain(|name, _| {
+                let used = format!("{}::", name.replace('-', "_"));
+                let begins = |at: usize| {
+                    !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':')
+                };
+                code.match_indices(&used).any(|(at, _)| begins(at))
+            });
+        }
     }
-    at.insert("opt-level".into(), 1.into());
     toml::to_string(&all).map_err(|e| wrong(&e))
 }
 
