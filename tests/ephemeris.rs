@@ -311,6 +311,26 @@ fn meeus_example_25b() {
 }
 
 #[test]
+fn light_and_size_of_the_disc_go_by_its_distance() {
+    // Perihelion and aphelion of 2026 (US Naval Observatory): 0.98330 and 1.01664 au, semi-diameters 16'16" and 15'44".
+    for (time, distance, radius) in [
+        ("2026-01-03T17:16:00Z", 0.983_30, 976.0),
+        ("2026-07-06T17:31:00Z", 1.016_64, 944.0),
+    ] {
+        for tier in Tier::ALL {
+            let site = Site::new(0.0, 0.0, 0.0).unwrap();
+            let sun = sun_position(tier, &utc(time), &site, &Weather::standard(&site));
+            let expected = 1.0 / (distance * distance);
+            let factor = sun.irradiance_factor / expected;
+            assert!((factor - 1.0).abs() < 2e-4, "{tier}, {time}: {factor}");
+            assert!((sun.irradiance_factor * sun.distance_au.powi(2) - 1.0).abs() < 1e-12);
+            let seconds = sun.angular_radius / ARCSEC;
+            assert!((seconds - radius).abs() < 0.6, "{tier}, {time}: {seconds}");
+        }
+    }
+}
+
+#[test]
 fn the_almanac_is_the_ephemeris() {
     let mut random = Random(3);
     for tier in Tier::ALL {

@@ -448,3 +448,69 @@ fn through_air(spectrum: &[Cell], path: &SunPath, elevation: f64, air_mass: f64)
     }
     (xyz * LUMINOUS_EFFICACY, total)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is left of light of one wavelength [micrometres], as an optical depth.
+    fn depth(wavelength_um: f64, path: &SunPath) -> f64 {
+        let cell = Cell {
+            wavelength_um,
+            width_nm: 1.0,
+            irradiance: 1.0,
+            ozone: 0.0,
+            water: 0.0,
+            gas: 0.0,
+            bar: DVec3::ONE,
+        };
+        -through_air(&[cell], path, FRAC_PI_2, 1.0).1.ln()
+    }
+
+    #[test]
+    fn molecules_scatter_as_others_say() {
+        // Hansen & Travis 1974 (Space Science Reviews 16, 527), eq. 2.30, at 1013.25 hPa; Leckner's is 1 to 1.5 % above it.
+        let published =
+            |l: f64| 0.008_569 / l.powi(4) * (1.0 + 0.0113 / l.powi(2) + 0.000_13 / l.powi(4));
+        let path = |pressure_hpa: f64| SunPath {
+            pressure_hpa,
+            ..SunPath::standard(FRAC_PI_2, 2.0)
+        };
+        for l in [0.3, 0.35, 0.4, 0.45, 0.55, 0.8] {
+            let depth = depth(l, &path(STANDARD_PRESSURE_HPA)) - depth(l, &path(0.0));
+            let ratio = depth / published(l);
+            assert!((ratio - 1.0).abs() < 0.02, "{l} um: {ratio}");
+        }
+    }
+
+    #[test]
+    fn aerosol_follows_angstrom_s_law() {
+        // Without molecules: beta L^-1.3, the exponent by which turbidity is defined (Preetham 1999, appendix A.1).
+        let path = |turbidity: f64| SunPath {
+            pressure_hpa: 0.0,
+            ..SunPath::standard(FRAC_PI_2, turbidity)
+        };
+        let exponent = (depth(0.4, &path(3.0)) / depth(0.8, &path(3.0))).log2();
+        assert!((exponent - 1.3).abs() < 1e-9, "{exponent}");
+        // Preetham's beta at turbidity 2 and 6.
+        for (turbidity, beta) in [(2.0, 0.046_307), (6.0, 0.230_642)] {
+            let found = depth(1.0, &path(turbidity));
+            assert!((found - beta).abs() < 1e-6, "{turbidity}: {found}");
+        }
+    }
+
+    #[test]
+    fn light_is_split_by_the_share_of_the_disc() {
+        // Half a disc on the horizon: its centroid stands 4 / (3 pi) of the radius above; all of it and none of it beyond.
+        let (share, elevation) = visible_part(0.0, 0.01);
+        assert!((share - 0.5).abs() < 1e-12);
+        assert!((elevation - 0.04 / (3.0 * PI)).abs() < 1e-12);
+        assert_eq!(visible_part(0.02, 0.01), (1.0, 0.02));
+        assert_eq!(visible_part(-0.02, 0.01), (0.0, 0.0));
+        // A segment and the one across the horizon fill the disc, and their moments cancel.
+        let (above, high) = visible_part(0.006, 0.01);
+        let (below, low) = visible_part(-0.006, 0.01);
+        assert!((above + below - 1.0).abs() < 1e-12);
+        assert!((above * (high - 0.006) - below * (low + 0.006)).abs() < 1e-12);
+    }
+}

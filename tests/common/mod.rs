@@ -7,6 +7,7 @@ pub mod files;
 pub mod flat;
 pub mod glazed;
 pub mod gltf;
+pub mod gpu;
 pub mod grids;
 pub mod judge;
 pub mod lamps;
@@ -21,6 +22,8 @@ pub mod shafts;
 pub mod soft;
 pub mod views;
 pub mod weather;
+
+pub use gpu::gpu;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -75,23 +78,4 @@ pub fn python(test: &str, script: &str, input: &str) -> Option<String> {
     let _ = feed.join();
     assert!(output.status.success(), "{script} failed");
     Some(String::from_utf8(output.stdout).expect("the script prints UTF-8"))
-}
-
-/// Whether there is a graphics adapter, of software at least; noted without one.
-///
-/// # Panics
-/// Without one when `REQUIRE_GPU=1`, as in CI: there a missing adapter is a failure.
-pub fn gpu(test: &str) -> bool {
-    let found = !tyndall::backend::gpu::adapters::report()
-        .adapters
-        .is_empty();
-    if !found {
-        let required = std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1");
-        assert!(
-            !required,
-            "REQUIRE_GPU is 1 and there is no graphics adapter"
-        );
-        not_run(test, "there is no graphics adapter");
-    }
-    found
 }

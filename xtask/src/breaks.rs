@@ -2,12 +2,20 @@
 //!
 //! The list is `tests/breaks.toml`. A break that goes unnoticed is a hole in the tests; one whose text is no longer found, or found
 //! twice, has gone stale. The sources themselves are never touched.
+//!
+//! What costs time is building, so that it is done as little as can be: a shader or a table stands in a program as it is written, and
+//! is broken there; a suite that needs few modules is built with these alone ([`crate::cut`]). A test program is stopped at its first failure. What failed must pass without the break: a test that fails anyway
+//! would notice everything.
 
+use crate::cut::{self, Part};
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// How long a test may take before it counts as one that no longer ends.
@@ -37,11 +45,26 @@ struct Break {
 }
 
 /// What came of a break.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Came {
-    Caught,
+    /// The test of this name failed, or the whole program for none.
+    Caught(Option<String>),
     Survived,
     DoesNotCompile,
+    /// This test fails without the break.
+    FailsAnyway(Option<String>),
+}
+
+impl std::fmt::Display for Came {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = |name: &Option<String>| name.clone().unwrap_or_else(|| "the whole".into());
+        match self {
+            Came::Caught(by) => write!(f, "caught by `{}`", name(by)),
+            Came::Survived => f.write_str("**not noticed**"),
+            Came::DoesNotCompile => f.write_str("**does not compile**"),
+            Came::FailsAnyway(test) => write!(f, "**`{}` fails anyway**", name(test)),
+        }
+    }
 }
 
 /// Runs all breaks whose name, file or test contains one of `only` (all for none).
@@ -65,129 +88,156 @@ fn run_all(only: &[String]) -> Result<bool, String> {
         let named = |w: &String| [&b.name, &b.file, &b.test].iter().any(|t| t.contains(w));
         only.is_empty() || only.iter().any(named)
     };
-    let breaks: Vec<Break> = list.breaks.into_iter().filter(wanted).collect();
-    let place = Place::new(&root)?;
-
-    // A test that fails on the unbroken sources would notice everything.
-    let mut sound: BTreeMap<&str, bool> = BTreeMap::new();
-    for one in &breaks {
-        if !sound.contains_key(one.test.as_str()) {
-            let passes = place.test(&one.test)? == Came::Survived;
-            sound.insert(&one.test, passes);
-            if !passes {
-                eprintln!("xtask: `{}` fails without any break", one.test);
-            }
-        }
-    }
-    let mut missed = sound.values().filter(|passes| !**passes).count();
-    println!("| break | file | test | came |\n|---|---|---|---|");
+    let mut breaks: Vec<Break> = list.breaks.into_iter().filter(wanted).collect();
+    // First what needs no build, then what shares a program.
+    breaks.sort_by_key(|one| (!one.is_embedded(), one.place()));
+    let mut places: BTreeMap<String, Place> = BTreeMap::new();
+    let mut caught = 0;
+    println!("| break | file | came |\n|---|---|---|");
     for one in &breaks {
         let begun = Instant::now();
-        let came = place.with(one)?;
-        let word = match came {
-            Came::Caught => "caught".to_owned(),
-            Came::Survived => "**not noticed**".to_owned(),
-            Came::DoesNotCompile => "**does not compile**".to_owned(),
+        let place = match places.entry(one.place()) {
+            Entry::Occupied(there) => there.into_mut(),
+            Entry::Vacant(new) => new.insert(Place::new(&root, one)?),
         };
-        missed += usize::from(came != Came::Caught);
-        println!("| {} | {} | {} | {word} |", one.name, one.file, one.test);
-        eprintln!(
-            "xtask: {word} after {:.0} s: {}",
-            begun.elapsed().as_secs_f64(),
-            one.name
-        );
+        let came = place.with(one)?;
+        caught += usize::from(matches!(came, Came::Caught(_)));
+        println!("| {} | {} | {came} |", one.name, one.file);
+        let seconds = begun.elapsed().as_secs_f64();
+        eprintln!("xtask: {came} after {seconds:.0} s: {}", one.name);
     }
-    let caught = breaks.len() - missed.min(breaks.len());
     println!("\n{caught} of {} caught", breaks.len());
-    Ok(missed == 0)
+    Ok(caught == breaks.len())
 }
 
-/// A copy of the sources.
+impl Break {
+    /// The program of its test.
+    fn binary(&self) -> &str {
+        self.test.split_whitespace().next().unwrap_or_default()
+    }
+
+    /// Its module of the library, if it is of one.
+    fn module(&self) -> Option<&str> {
+        self.file.strip_prefix("src/")?.split(['/', '.']).next()
+    }
+
+    /// What its test is built of: unit tests with their module, a suite by itself.
+    fn place(&self) -> String {
+        match self.binary() {
+            "lib" => format!("lib-{}", self.module().unwrap_or_default()),
+            suite => suite.to_owned(),
+        }
+    }
+
+    /// Whether its file stands in a program as it is written.
+    fn is_embedded(&self) -> bool {
+        !self.file.ends_with(".rs")
+    }
+
+    /// Its file with it in.
+    fn broken(&self, sound: &str) -> Result<String, String> {
+        match sound.matches(&self.from).count() {
+            1 => Ok(sound.replacen(&self.from, &self.to, 1)),
+            found => Err(format!(
+                "`{}`: the text {:?} stands {found} times in {}, and must stand there once",
+                self.name, self.from, self.file
+            )),
+        }
+    }
+}
+
+/// A copy of the sources, and a test program of it.
 struct Place {
     folder: PathBuf,
-    built: PathBuf,
+    /// The program without any break.
+    sound: PathBuf,
 }
 
 impl Place {
-    /// Copies what git knows of `root`, as it stands there now. What has not changed keeps its time, so that little is built anew.
-    fn new(root: &Path) -> Result<Self, String> {
-        let folder = crate::target().join("breaks/tree");
-        let built = crate::target().join("breaks/target");
-        let listed = Command::new("git")
-            .args([
-                "ls-files",
-                "--cached",
-                "--others",
-                "--exclude-standard",
-                "-z",
-            ])
-            .current_dir(root)
-            .output()
-            .map_err(|e| format!("git does not start: {e}"))?;
-        for name in String::from_utf8_lossy(&listed.stdout).split('\0') {
-            let from = root.join(name);
-            if name.is_empty() || !from.is_file() {
-                continue;
-            }
-            let to = folder.join(name);
-            let text = fs::read(&from).map_err(|e| format!("{name}: {e}"))?;
-            if fs::read(&to).is_ok_and(|there| there == text) {
-                continue;
-            }
-            let parent = to.parent().unwrap_or(&folder);
-            fs::create_dir_all(parent).map_err(|e| format!("{}: {e}", parent.display()))?;
-            fs::write(&to, text).map_err(|e| format!("{}: {e}", to.display()))?;
-        }
-        Ok(Place { folder, built })
+    /// Copies what the test of `one` needs, and builds it.
+    fn new(root: &Path, one: &Break) -> Result<Self, String> {
+        let modules: Vec<&str> = one.module().into_iter().collect();
+        let suites: Vec<&str> = [one.binary()].into_iter().filter(|s| *s != "lib").collect();
+        let whole = crate::target().join("breaks");
+        let (folder, part) = match cut::is_whole(root, &modules, &suites)? {
+            true => (whole.join("tree"), Part::Whole),
+            false => (
+                whole.join("cut").join(one.place()),
+                Part::Cut {
+                    modules: &modules,
+                    suites: &suites,
+                },
+            ),
+        };
+        cut::copy(root, &folder, part)?;
+        let kept = whole.join("sound");
+        fs::create_dir_all(&kept).map_err(|e| format!("{}: {e}", kept.display()))?;
+        let mut place = Place {
+            folder,
+            sound: PathBuf::new(),
+        };
+        let program = place
+            .program(one.binary())?
+            .ok_or_else(|| format!("`{}` does not compile without any break", one.test))?;
+        place.sound = kept.join(one.place());
+        fs::copy(&program, &place.sound).map_err(|e| format!("{}: {e}", place.sound.display()))?;
+        Ok(place)
     }
 
     /// Puts a break in, tests, and takes it out again.
     fn with(&self, one: &Break) -> Result<Came, String> {
         let path = self.folder.join(&one.file);
-        let sound = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", one.file))?;
-        let found = sound.matches(&one.from).count();
-        if found != 1 {
-            return Err(format!(
-                "`{}`: the text {:?} stands {found} times in {}, and must stand there once",
-                one.name, one.from, one.file
-            ));
+        let wrong = |e: std::io::Error| format!("{}: {e}", one.file);
+        let text = fs::read_to_string(&path).map_err(wrong)?;
+        let time = path.metadata().and_then(|m| m.modified()).map_err(wrong)?;
+        let broken = one.broken(&text)?;
+        let sound = &self.sound;
+        fs::write(&path, &broken).map_err(wrong)?;
+        let tested = (|| {
+            let program = match one.is_embedded() {
+                true => Some(patched(sound, &text, &broken)?),
+                false => self.program(one.binary())?,
+            };
+            let part: Vec<&str> = one.test.split_whitespace().skip(1).collect();
+            match program {
+                None => Ok(Came::DoesNotCompile),
+                Some(program) => self.test(&program, &part),
+            }
+        })();
+        fs::write(&path, &text).map_err(wrong)?;
+        if one.is_embedded() {
+            // Nothing was built of it.
+            let file = fs::File::options().append(true).open(&path);
+            file.and_then(|f| f.set_modified(time)).map_err(wrong)?;
         }
-        let put = |text: &str| fs::write(&path, text).map_err(|e| format!("{}: {e}", one.file));
-        put(&sound.replacen(&one.from, &one.to, 1))?;
-        let came = self.test(&one.test);
-        put(&sound)?;
-        came
+        let came = tested?;
+        if let Came::Caught(Some(name)) = &came
+            && self.test(sound, &["--exact", name])? != Came::Survived
+        {
+            return Ok(Came::FailsAnyway(Some(name.clone())));
+        }
+        Ok(came)
     }
 
-    /// Runs a test in the copy.
-    fn test(&self, test: &str) -> Result<Came, String> {
-        let mut words = test.split_whitespace();
-        let binary = words.next().unwrap_or_default();
+    /// Builds the program of a test in the copy; `None` where it does not compile.
+    fn program(&self, binary: &str) -> Result<Option<PathBuf>, String> {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let mut build = Command::new(&cargo);
-        build.args([
-            "test",
-            "--profile",
-            "breaks",
-            "--package",
-            "tyndall",
-            "--locked",
-            "--no-run",
-        ]);
-        build.arg("--message-format=json");
+        build.args(["test", "--profile", "breaks", "--package", "tyndall"]);
+        build.args(["--no-run", "--message-format=json"]);
         match binary {
             "lib" => build.arg("--lib"),
             _ => build.args(["--test", binary]),
         };
         let built = build
             .current_dir(&self.folder)
-            .env("CARGO_TARGET_DIR", &self.built)
+            .env("CARGO_TARGET_DIR", crate::target().join("breaks/target"))
             .stdin(Stdio::null())
             .stderr(Stdio::null())
             .output()
             .map_err(|e| format!("cargo does not start: {e}"))?;
         if !built.status.success() {
-            return Ok(Came::DoesNotCompile);
+            return Ok(None);
         }
         let executable = |line: &str| {
             let told: serde_json::Value = serde_json::from_str(line).ok()?;
@@ -196,30 +246,127 @@ impl Place {
         let said = String::from_utf8_lossy(&built.stdout);
         let program = said.lines().filter_map(executable).next_back();
         let program = program.ok_or_else(|| format!("`{binary}`: cargo names no program"))?;
-        let mut child = Command::new(&program)
-            .args(words)
+        Ok(Some(program))
+    }
+
+    /// Runs a test program in the copy up to its first failure.
+    fn test(&self, program: &Path, arguments: &[&str]) -> Result<Came, String> {
+        let wrong = |e: std::io::Error| format!("{}: {e}", program.display());
+        let mut child = Command::new(program)
+            .args(arguments)
             .current_dir(&self.folder)
             .env("CARGO_MANIFEST_DIR", &self.folder)
             .stdin(Stdio::null())
-            .stdout(Stdio::null())
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .map_err(|e| format!("{}: {e}", program.display()))?;
+            .map_err(wrong)?;
+        let (tell, told) = mpsc::channel();
+        let lines = child.stdout.take().map(BufReader::new);
+        std::thread::spawn(move || {
+            for line in lines
+                .into_iter()
+                .flat_map(BufRead::lines)
+                .map_while(Result::ok)
+            {
+                if tell.send(line).is_err() {
+                    break;
+                }
+            }
+        });
         let begun = Instant::now();
         loop {
-            let over = child
-                .try_wait()
-                .map_err(|e| format!("`{test}` is lost: {e}"))?;
-            match over {
-                Some(status) if status.success() => return Ok(Came::Survived),
-                Some(_) => return Ok(Came::Caught),
-                // A loop that no longer ends has been noticed too.
-                None if begun.elapsed() > PATIENCE => {
-                    let _ = child.kill().and_then(|()| child.wait());
-                    return Ok(Came::Caught);
+            let left = PATIENCE.saturating_sub(begun.elapsed());
+            match told.recv_timeout(left) {
+                Ok(line) => {
+                    let failed = line.strip_suffix(" ... FAILED");
+                    if let Some(name) = failed.and_then(|line| line.strip_prefix("test ")) {
+                        let _ = child.kill().and_then(|()| child.wait());
+                        return Ok(Came::Caught(Some(name.to_owned())));
+                    }
                 }
-                None => std::thread::sleep(Duration::from_millis(50)),
+                // A loop that no longer ends has been noticed too.
+                Err(mpsc::RecvTimeoutError::Timeout) => {
+                    let _ = child.kill().and_then(|()| child.wait());
+                    return Ok(Came::Caught(None));
+                }
+                Err(mpsc::RecvTimeoutError::Disconnected) => {
+                    let passed = child.wait().map_err(wrong)?.success();
+                    return Ok(if passed {
+                        Came::Survived
+                    } else {
+                        Came::Caught(None)
+                    });
+                }
             }
         }
+    }
+}
+
+/// A copy of `program` beside it, in which `broken` stands in place of `sound`.
+fn patched(program: &Path, sound: &str, broken: &str) -> Result<PathBuf, String> {
+    let wrong = |e: std::io::Error| format!("{}: {e}", program.display());
+    let broken = as_long(broken, sound.len())
+        .ok_or("a broken file is longer than it was by more than its comments")?;
+    let mut bytes = fs::read(program).map_err(wrong)?;
+    let mut found = 0;
+    while let Some(at) = find(&bytes, sound.as_bytes()) {
+        bytes[at..at + broken.len()].copy_from_slice(broken.as_bytes());
+        found += 1;
+    }
+    if found == 0 {
+        // The test reads the file itself.
+        return Ok(program.to_owned());
+    }
+    let copy = program.with_extension("broken");
+    fs::copy(program, &copy).map_err(wrong)?;
+    fs::write(&copy, bytes).map_err(wrong)?;
+    Ok(copy)
+}
+
+/// Where `part` begins in `whole`.
+fn find(whole: &[u8], part: &[u8]) -> Option<usize> {
+    let first = *part.first()?;
+    let mut from = 0;
+    while let Some(next) = whole[from..].iter().position(|byte| *byte == first) {
+        if whole[from + next..].starts_with(part) {
+            return Some(from + next);
+        }
+        from += next + 1;
+    }
+    None
+}
+
+/// `text` with spaces at its end, or with less of its comments, so that it has `length` bytes.
+fn as_long(text: &str, length: usize) -> Option<String> {
+    let mut excess = text.len().saturating_sub(length);
+    let mut made = String::new();
+    for line in text.split_inclusive('\n') {
+        match line.find("//") {
+            Some(at) if excess > 0 => {
+                let end = line.trim_end_matches('\n').len();
+                excess = excess.saturating_sub(end - at);
+                made += &line[..at];
+                made += &line[end..];
+            }
+            _ => made += line,
+        }
+    }
+    made += &" ".repeat(length.checked_sub(made.len())?);
+    Some(made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_broken_text_is_as_long_as_it_was() {
+        assert_eq!(as_long("a = 1;", 8).as_deref(), Some("a = 1;  "));
+        let longer = as_long("// a word\na = 100; // b\n", 20).expect("comments suffice");
+        assert_eq!(longer, "\na = 100; // b\n     ");
+        assert_eq!(as_long("a = 100;", 6), None);
+        assert_eq!(find(b"aabaac", b"aac"), Some(3));
+        assert_eq!(find(b"aabaac", b"aad"), None);
     }
 }

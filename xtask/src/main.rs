@@ -1,6 +1,8 @@
-//! Tasks of the project itself: `cargo xtask breaks`, `cargo xtask pictures`, `cargo xtask scene`, `cargo xtask same`, `cargo xtask test`.
+//! Tasks of the project itself: `cargo xtask breaks`, `cargo xtask mutants`, `cargo xtask pictures`, `cargo xtask scene`, `cargo xtask same`, `cargo xtask test`.
 
 mod breaks;
+mod cut;
+mod mutants;
 mod pictures;
 mod same;
 mod scene;
@@ -13,6 +15,9 @@ const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
   breaks [WORDS]     put small breaks into a copy of the sources, one at a time, and see whether the tests notice (tests/breaks.toml)
+  mutants MODULE [ARGUMENTS]
+                     change the code of a module in all small ways that cargo-mutants knows, one at a time, and see whether its
+                     suites notice (tests/mutants.toml); ARGUMENTS go to `cargo mutants`
   pictures [NAMES]   render the built-in scenes into the documentation, docs/scenes
   same BINARY        compare ten pictures of another build of `tyndall` with those of this one, under both backends: nave,
                      nave-epipolar, nave-prefiltered, nave-march, nave-planes, court, panorama, orthographic, peaks, sunward
@@ -24,6 +29,7 @@ fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     match arguments.next().as_deref() {
         Some("breaks") => breaks::run(arguments.collect()),
+        Some("mutants") => mutants::run(arguments.collect()),
         Some("pictures") => pictures::run(arguments.collect()),
         Some("same") => same::run(arguments.collect()),
         Some("scene") => scene::run(),
