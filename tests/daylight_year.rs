@@ -3,22 +3,22 @@
 mod common;
 
 use chrono::{NaiveDate, NaiveTime};
+use common::annual::{Annual, Sample, table_of};
 use common::build::cuboid;
 use common::receive::{self, QUALITY, at};
 use common::rooms::{Room, WEATHER, room};
 use common::weather::{MadeUp, ULM, line, made_up, told, with, with_columns};
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::time::Instant as Clock;
 use tyndall::backend::Wanted;
 use tyndall::colour::luminance;
 use tyndall::conditions::Receiver;
 use tyndall::daylight::epw::WeatherFile;
-use tyndall::daylight::hours::{Hours, ShiftFrom, label_shift};
+use tyndall::daylight::hours::{Hour, Hours, ShiftFrom, label_shift};
 use tyndall::daylight::metrics::Metrics;
 use tyndall::daylight::sun_hours::{Span, SunHours};
-use tyndall::daylight::table::{Stamp, Table};
 use tyndall::daylight::year::{Fineness, Year, conditions};
 use tyndall::ephemeris::civil::Zone;
 use tyndall::ephemeris::{Instant, Julian, Site, Tier, TimeScale, Weather, sun_position};
@@ -496,37 +496,9 @@ fn an_hour_is_what_the_moment_gives() {
     }
 }
 
-/// What is compared of a year: the hours, and how many each stands for.
-struct Sample {
-    hours: Hours,
-    each: usize,
-}
-
-/// A year's illuminances as if each hour were so many.
-fn table_of(sample: &Sample, total: &[Vec<f64>], sun: &[Vec<f64>]) -> Table {
-    let mut table = Table {
-        hours: sample.hours.count,
-        points: total[0].len(),
-        ..Table::default()
-    };
-    for (i, hour) in sample.hours.lit.iter().enumerate() {
-        for number in 0..sample.each {
-            table.stamps.push(Stamp {
-                number: hour.number + number,
-                date: hour.date,
-                hour: hour.hour,
-                clock: f64::from(hour.hour) - 0.5,
-                diffuse: hour.diffuse(),
-            });
-            table.total.extend(total[i].iter().map(|e| *e as f32));
-            table.sun.extend(sun[i].iter().map(|e| *e as f32));
-        }
-    }
-    table
-}
-
 /// A room with a window through a year, against the two-phase method with a run of its own for the suns. `TYNDALL_ANNUAL=8` takes
-/// every eighth hour of a real weather file and finer settings of Radiance; the tests take some forty of a made-up one.
+/// every eighth hour of a real weather file, and 1 all of them; the tests take some twenty of a made-up one, whose coefficients are stored:
+/// `TYNDALL_TRUTHS=year` makes these anew.
 #[test]
 fn a_year_is_that_of_radiance() {
     let test = "a_year_is_that_of_radiance";
@@ -598,18 +570,34 @@ fn a_year_is_that_of_radiance() {
         "sun": sun,
         "n": 2,
     });
-    let Some(text) = common::python(test, "annual.py", &task.to_string()) else {
-        return;
+    let middles: Vec<DVec3> = dome.patches().iter().map(|p| p.direction).collect();
+    let lux = |hour: &Hour| match hour.sun.shines() {
+        true => hour.sun.illuminance_lux(),
+        false => 0.0,
     };
-    let out: Value = serde_json::from_str(&text).expect("annual.py prints JSON");
-    let rows = |name: &str| -> Vec<Vec<f64>> {
-        serde_json::from_value(out[name].clone()).expect("rows of numbers")
+    let suns = lit.iter().filter(|hour| lux(hour) > 0.0);
+    let suns: Vec<DVec3> = suns.map(|hour| hour.sun.toward).collect();
+    let is_asked = std::env::var("TYNDALL_TRUTHS").is_ok_and(|names| names == "year");
+    let truth = if wanted.is_some() || is_asked {
+        let Some(truth) = Annual::run(test, &task, &middles, &suns) else {
+            return;
+        };
+        if wanted.is_none() {
+            truth.store();
+        }
+        truth
+    } else {
+        Annual::stored()
     };
-    let (theirs, their_sun) = (rows("illuminances"), rows("straight"));
-    let seconds: f64 = ["sky", "product", "sun"]
-        .iter()
-        .map(|k| out["seconds"][k].as_f64().unwrap_or(0.0))
-        .sum();
+    let same = |((own, _), middle): (&(DVec3, _), &DVec3)| own.distance(*middle) < 1e-5;
+    assert!(truth.sky.len() == middles.len() && truth.sky.iter().zip(&middles).all(same));
+    let (theirs, their_sun): (Vec<_>, Vec<_>) = (lit.iter())
+        .map(|hour| {
+            let luminances = receive::y(&dome.radiances(&hour.sky));
+            let [total, straight] = truth.hour(&luminances, hour.sun.toward, lux(hour));
+            (total, straight)
+        })
+        .unzip();
     let is_occupied = |h: &usize| (9..=18).contains(&lit[*h].hour);
     let occupied: Vec<usize> = (0..lit.len()).filter(is_occupied).collect();
     let pairs = || {
@@ -621,15 +609,15 @@ fn a_year_is_that_of_radiance() {
     let rms = (pairs().map(|(a, b)| (a / b - 1.0).powi(2)).sum::<f64>() / count).sqrt();
     let sums = pairs().fold((0.0, 0.0), |s, (a, b)| (s.0 + a, s.1 + b));
     let mean = sums.0 / sums.1 - 1.0;
-    eprintln!("{}", out["commands"]);
+    eprintln!("{}", truth.said);
     eprintln!(
-        "{} hours, {points} points: mean {:+.3} %, RMS over {} occupied hours {:.2} %; rfluxmtx, dctimestep and rcontrib {seconds:.1} s ({}), tyndall {made:.2} + {found:.2} s: {:.0} times",
+        "{} hours, {points} points: mean {:+.3} %, RMS over {} occupied hours {:.2} %; rfluxmtx, dctimestep and rcontrib {:.1} s, tyndall {made:.2} + {found:.2} s: {:.0} times",
         lit.len(),
         100.0 * mean,
         occupied.len(),
         100.0 * rms,
-        out["seconds"],
-        seconds / (made + found)
+        truth.seconds,
+        truth.seconds / (made + found)
     );
     assert!(mean.abs() < 0.01 && rms < allowed, "mean {mean}, RMS {rms}");
     // What the sun gives straight is the same but for rounding.

@@ -82,6 +82,11 @@ fn windowed(rest: &str) -> Folder {
 
 /// A year of clear days at 48 degrees north, where noon is at 12 o'clock.
 fn weather() -> String {
+    weather_on(1)
+}
+
+/// The same where only every so many days have light.
+fn weather_on(every: usize) -> String {
     let mut text = "LOCATION,Made up,-,-,none,000000,48,15,1,100\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n\
         GROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,free <to> use\nCOMMENTS 2,\nDATA PERIODS,1,1,Data,Sunday,1/ 1,12/31\n"
         .to_owned();
@@ -95,6 +100,8 @@ fn weather() -> String {
                 let angle = (15.0 * (f64::from(hour) - 12.5)).to_radians();
                 let (sin, cos) = 48f64.to_radians().sin_cos();
                 let sine = sin * declination.sin() + cos * declination.cos() * angle.cos();
+                let is_dark = number as usize % every > 0;
+                let sine = if is_dark { 0.0 } else { sine };
                 let direct = if sine > 0.05 { 700.0 } else { 0.0 };
                 let diffuse = 120.0 * sine.max(0.0);
                 let global = diffuse + direct * sine.max(0.0);
@@ -150,6 +157,8 @@ fn every_figure_of_the_page_stands_in_the_tables() {
             "year.json",
             "-o",
             "map.svg",
+            "-o",
+            "year.exr",
             "--hours",
             "hours.csv",
             "--csv",
@@ -207,6 +216,19 @@ fn every_figure_of_the_page_stands_in_the_tables() {
         !page.contains("http://") || !page.contains("src="),
         "it needs no other file"
     );
+    // The file of figures is what was printed.
+    assert_eq!(cells(&read("year.figures.csv")), printed);
+    // A part a plane, with all columns.
+    let exr = exr::prelude::read_all_flat_layers_from_file(scene.path().join("year.exr"));
+    let exr = exr.expect("OpenEXR");
+    let mut sum = 0;
+    for layer in &exr.layer_data {
+        let channels = &layer.channel_data.list;
+        let mean = channels.iter().find(|c| c.name.eq("mean_lx"));
+        let values = mean.expect("a column").sample_data.values_as_f32();
+        sum += values.filter(|value| value.is_finite()).count();
+    }
+    assert_eq!(sum, report["sensors"].as_array().expect("sensors").len());
     // The tables agree with each other.
     let sensors = cells(&read("year.csv"));
     let list = report["sensors"].as_array().expect("sensors");
@@ -257,6 +279,57 @@ fn every_figure_of_the_page_stands_in_the_tables() {
 }
 
 #[test]
+fn variants_share_what_their_scene_has() {
+    let scene = windowed("[ground]\nalbedo = 0.2\n");
+    scene.write("made.epw", &weather_on(3));
+    let run = |more: &[&str]| {
+        let mut all = vec![
+            "daylight",
+            "scene.toml",
+            "--grid",
+            "spacing=1.5",
+            "--quality",
+            "draft",
+        ];
+        all.extend([
+            "--patches",
+            "1",
+            "--weather",
+            "made.epw",
+            "-o",
+            "year.csv",
+            "--csv",
+        ]);
+        all.extend(more);
+        let out = tyndall(scene.path(), &all);
+        assert!(out.status.success(), "{}", stderr(&out));
+        cells(&String::from_utf8_lossy(&out.stdout))
+    };
+    let both = run(&["--turn", "0,180"]);
+    let value = |rows: &[Vec<String>], variant: &str, key: &str| -> f64 {
+        let row = rows.iter().find(|row| row[0] == variant && row[3] == key);
+        row.expect("a row")[5].parse().expect("a number")
+    };
+    // A window in the south lets the sun in; turned to the north it does not.
+    assert_eq!(both[0][..3], ["variant", "north_degrees", "room"]);
+    assert!(value(&both, "turn0", "ase") > 0.0);
+    assert_eq!(value(&both, "turn180", "ase"), 0.0);
+    let means = ["turn0", "turn180"].map(|variant| value(&both, variant, "mean"));
+    assert!(means[1] < 0.7 * means[0], "{means:?}");
+    // A variant is what the turned scene has by itself.
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(scene.path().join(name)).expect("it is written");
+        cells(&text)
+    };
+    assert!(read("year.turn0.csv").len() > 1 && read("year.turn180.figures.csv").len() > 1);
+    run(&["--north", "180"]);
+    let alone = read("year.figures.csv");
+    let mean = alone.iter().find(|row| row[1] == "mean").expect("a row");
+    let mean: f64 = mean[3].parse().expect("a number");
+    assert!((means[1] / mean - 1.0).abs() < 1e-6, "{} {mean}", means[1]);
+}
+
+#[test]
 fn what_a_year_cannot_use_is_told() {
     let scene = windowed("");
     scene.write("made.epw", &weather());
@@ -268,6 +341,11 @@ fn what_a_year_cannot_use_is_told() {
         (vec!["--weather", "made.epw", "-o", "year.doc"], ".html"),
         (vec!["--weather", "made.epw", "-o", "made.epw"], "the name"),
         (vec!["--weather", "made.epw", "--show", "lux"], "da300_pct"),
+        (
+            vec!["--weather", "made.epw", "--weather", "made.epw"],
+            "are called made",
+        ),
+        (vec!["--weather", "made.epw", "--turn", "90,90"], "--turn"),
         (
             vec!["--weather", "made.epw", "--label-shift", "nan"],
             "-12 to 12",

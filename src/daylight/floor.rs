@@ -8,6 +8,7 @@
 //!   Where nothing is covered, the lowest area and those up to 1.8 m above it are floors;
 //! - of which no more than half lies less than 1.8 m over another floor: tables and platforms stand on floors.
 
+use super::opening;
 use super::outline::Outline;
 use super::plane::Plane;
 use super::section::cut;
@@ -58,6 +59,21 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
     let everything = || (0..scene.mesh.triangles.len() as u32).collect::<Vec<_>>();
     let (areas, name) = match &spec.on {
         On::Surface(name) => return surfaces(scene, &named(name)?, name, spec),
+        On::Openings(name) => {
+            let triangles = match name.as_str() {
+                "all" => everything(),
+                name => named(name)?,
+            };
+            let planes = opening::planes(scene, geometry, &triangles, spec);
+            if planes.is_empty() {
+                return Err(Error::input(
+                    "--grid",
+                    format!("no pane of `{name}` leads to the outside"),
+                    "openings are told by glass: [[pane]], or KHR_materials_transmission; or give a surface in the opening with surface=",
+                ));
+            }
+            return Ok(planes);
+        }
         On::Floors => (found(geometry, levels(scene, &everything())), None),
         On::Room(name) => (found(geometry, levels(scene, &named(name)?)), Some(name)),
         On::Floor(name) => (all(levels(scene, &named(name)?)), Some(name)),

@@ -49,8 +49,10 @@ impl Sensors {
         let mut sensors = Sensors::default();
         for spec in specs {
             let before = sensors.points.len();
+            // The points of openings lie in walls.
+            let may_be_inside = matches!(spec.on, On::Openings(_));
             for plane in floor::planes(scene, geometry, spec)? {
-                sensors.add(scene, geometry, plane)?;
+                sensors.add(scene, geometry, plane, may_be_inside)?;
             }
             if sensors.points.len() == before {
                 return Err(nothing_left(spec, &sensors.left_out));
@@ -70,7 +72,13 @@ impl Sensors {
         self.points.iter().map(|sensor| sensor.area).sum()
     }
 
-    fn add(&mut self, scene: &Scene, geometry: &Geometry, plane: Plane) -> Result<()> {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        geometry: &Geometry,
+        plane: Plane,
+        may_be_inside: bool,
+    ) -> Result<()> {
         let [columns, rows] = plane.cells;
         let count = columns as usize * rows as usize;
         let all = self.points.len().saturating_add(count);
@@ -101,7 +109,10 @@ impl Sensors {
                 });
             }
         }
-        let standing = inside::standing(scene, geometry, &plane, &points);
+        let standing = match may_be_inside {
+            true => vec![Standing::Free; points.len()],
+            false => inside::standing(scene, geometry, &plane, &points),
+        };
         for why in [Standing::InSolid, Standing::Outside] {
             let count = standing.iter().filter(|s| **s == why).count();
             if count > 0 {
@@ -140,7 +151,9 @@ impl Sensors {
 fn nothing_left(spec: &GridSpec, left_out: &[LeftOut]) -> Error {
     let of = match &spec.on {
         On::Floors => "the floors".to_owned(),
-        On::Room(name) | On::Floor(name) | On::Surface(name) => format!("`{name}`"),
+        On::Room(name) | On::Floor(name) | On::Surface(name) | On::Openings(name) => {
+            format!("`{name}`")
+        }
     };
     let said: Vec<String> = left_out
         .iter()

@@ -1,10 +1,11 @@
 //! Daylight for architects: sensors on grids, daylight factors, hours of sun, a year of weather and its metrics.
 //!
 //! - [`grid`]: sensors on floors, rooms and surfaces, from what a user asks for
-//! - [`floor`], [`inside`], [`outline`], [`section`]: where floors are, what stands in walls, areas, where a plane cuts the model
+//! - [`floor`], `opening`, [`inside`], [`outline`], [`section`]: where floors and openings are, what stands in walls, areas, where a plane cuts the model
 //! - [`assumed`]: reflectances where the mesh has none
 //! - [`factor`]: daylight factors, and what is said of the values of a grid
 //! - [`map`]: a grid's values as a drawing
+//! - [`raster`]: the same as an OpenEXR file
 //! - [`epw`], [`hours`]: weather files, and the sun and the sky of each of their hours
 //! - [`year`], [`table`], [`metrics`]: the illuminance of sensors hour by hour, and what standards make of it
 //! - [`report`], [`page`], [`heat_map`]: what is told of it, as numbers and as one page
@@ -21,9 +22,11 @@ pub mod hours;
 pub mod inside;
 pub mod map;
 pub mod metrics;
+mod opening;
 pub mod outline;
 pub mod page;
 mod plane;
+pub mod raster;
 pub mod report;
 pub mod section;
 mod spec;

@@ -99,6 +99,8 @@ pub struct Of<'a> {
     pub file: &'a WeatherFile,
     /// Its lit hours.
     pub hours: &'a Hours,
+    /// The azimuth that the scene's -Z axis faces then [degrees].
+    pub north_deg: f64,
     /// The illuminances.
     pub table: &'a Table,
     /// The metrics.
@@ -117,6 +119,7 @@ impl Report {
             sensors,
             file,
             hours,
+            north_deg,
             table,
             metrics,
             fineness,
@@ -158,10 +161,7 @@ impl Report {
         );
         line(
             "north",
-            format!(
-                "the scene's -Z axis faces {} degrees from north through east",
-                scene.north_deg
-            ),
+            format!("the scene's -Z axis faces {north_deg} degrees from north through east"),
         );
         line("weather file", file.file.clone());
         line(

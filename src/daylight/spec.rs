@@ -15,6 +15,8 @@ pub enum On {
     Floor(String),
     /// The faces of an object or a material, by name, whatever way they face.
     Surface(String),
+    /// The openings that panes of an object or a material close, by name, each with its reference point; `all`: all panes.
+    Openings(String),
 }
 
 /// A grid as a user asks for it: `plane=0.85,spacing=0.5,inset=0.5,room=NAME`.
@@ -22,7 +24,7 @@ pub enum On {
 pub struct GridSpec {
     /// Which faces it lies on or over.
     pub on: On,
-    /// Height above the floor, or distance in front of the surface [m], 0 to 100.
+    /// Height above the floor, distance in front of the surface, or inward from the pane [m], 0 to 100.
     pub plane: f64,
     /// Greatest distance between neighbours [m], 0.01 to 1000.
     pub spacing: f64,
@@ -49,8 +51,8 @@ impl Default for GridSpec {
 }
 
 /// The keys of a grid.
-const KEYS: [&str; 8] = [
-    "plane", "spacing", "inset", "level", "room", "floor", "surface", "side",
+const KEYS: [&str; 9] = [
+    "plane", "spacing", "inset", "level", "room", "floor", "surface", "opening", "side",
 ];
 
 impl GridSpec {
@@ -98,7 +100,7 @@ impl GridSpec {
                 ("", _) => Err(wrong(format!("`{key}` names nothing"), "give a name")),
                 (_, On::Floors) => Ok(on(value.to_owned())),
                 _ => Err(wrong(
-                    "only one of room, floor and surface can be given".into(),
+                    "only one of room, floor, surface and opening can be given".into(),
                     "give --grid several times",
                 )),
             };
@@ -110,6 +112,7 @@ impl GridSpec {
                 "room" => spec.on = named(On::Room)?,
                 "floor" => spec.on = named(On::Floor)?,
                 "surface" => spec.on = named(On::Surface)?,
+                "opening" => spec.on = named(On::Openings)?,
                 _ => {
                     side = Some(match value {
                         "front" => false,
@@ -129,14 +132,18 @@ impl GridSpec {
                 "leave it out: planes over floors look up",
             ));
         }
-        if spec.level.is_some() && is_surface {
+        let is_opening = matches!(spec.on, On::Openings(_));
+        if spec.level.is_some() && (is_surface || is_opening) {
             return Err(wrong(
                 "`level` is of floors".into(),
                 "leave it out: a surface is named",
             ));
         }
         spec.back = side.unwrap_or(false);
-        spec.plane = plane.unwrap_or(if is_surface { 0.0 } else { spec.plane });
+        spec.plane = plane.unwrap_or(match is_surface || is_opening {
+            true => 0.0,
+            false => spec.plane,
+        });
         Ok(spec)
     }
 }

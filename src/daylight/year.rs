@@ -72,17 +72,29 @@ pub struct Year {
     sensors: Arc<[Receiver]>,
 }
 
+/// What is to be said where a weather file is that of another place than the scene's.
+pub fn elsewhere(site: Option<&SiteEntry>, file: &WeatherFile) -> Option<Warning> {
+    let apart = |a: f64, b: f64| ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs();
+    let site = site.filter(|site| {
+        apart(site.latitude_deg, file.latitude_deg) > NEAR_DEG
+            || apart(site.longitude_deg, file.longitude_deg) > NEAR_DEG
+    })?;
+    Some(Warning::Mended {
+        problem: format!(
+            "the scene lies at {:.2}, {:.2} and the weather file {} at {:.2}, {:.2}",
+            site.latitude_deg, site.longitude_deg, file.file, file.latitude_deg, file.longitude_deg
+        ),
+        instead: "the sun is that of the weather file's place".into(),
+    })
+}
+
 /// The scene at the place of a weather file, seen by nothing yet: under the sun of a noon of June, which each hour replaces.
 ///
 /// # Errors
 /// Those of [`Conditions::new`].
 pub fn conditions(mut scene: Scene, request: &Request, file: &WeatherFile) -> Result<Conditions> {
     scene.sun = None;
-    let elsewhere = scene.site.take().filter(|site| {
-        let apart = |a: f64, b: f64| ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs();
-        apart(site.latitude_deg, file.latitude_deg) > NEAR_DEG
-            || apart(site.longitude_deg, file.longitude_deg) > NEAR_DEG
-    });
+    let elsewhere = elsewhere(scene.site.take().as_ref(), file);
     scene.site = Some(SiteEntry {
         latitude_deg: file.latitude_deg,
         longitude_deg: file.longitude_deg,
@@ -100,19 +112,7 @@ pub fn conditions(mut scene: Scene, request: &Request, file: &WeatherFile) -> Re
         ..request.clone()
     };
     let mut conditions = Conditions::new(scene, &request)?;
-    if let Some(site) = elsewhere {
-        conditions.warnings.push(Warning::Mended {
-            problem: format!(
-                "the scene lies at {:.2}, {:.2} and the weather file {} at {:.2}, {:.2}",
-                site.latitude_deg,
-                site.longitude_deg,
-                file.file,
-                file.latitude_deg,
-                file.longitude_deg
-            ),
-            instead: "the sun is that of the weather file's place".into(),
-        });
-    }
+    conditions.warnings.extend(elsewhere);
     Ok(conditions)
 }
 
@@ -176,8 +176,7 @@ impl Year {
     /// What the sensors receive in an hour [lx]: in all, and straight from the sun.
     pub fn hour(&self, hour: &Hour) -> [Vec<f64>; 2] {
         let mut total = vec![0.0; self.sensors.len()];
-        let radiances = self.coefficients.dome().radiances(&hour.sky);
-        self.coefficients.add_sky(&radiances, &mut total);
+        self.coefficients.add_sky(&hour.sky, &mut total);
         let mut straight = vec![0.0; self.sensors.len()];
         let now = self.at(hour);
         if let Some(sun) = DirectSun::new(&now) {
@@ -259,8 +258,7 @@ impl Year {
             SunAt::unrefracted(DVec3::new(0.6, 0.8, 0.0).normalize()),
         )?;
         let mut received = vec![0.0; self.sensors.len()];
-        let radiances = self.coefficients.dome().radiances(&sky);
-        self.coefficients.add_sky(&radiances, &mut received);
+        self.coefficients.add_sky(&sky, &mut received);
         let open = luminance(sky.horizontal_illuminance());
         Ok(received.into_iter().map(|e| e / open).collect())
     }

@@ -13,18 +13,22 @@
 use super::arrival::Source;
 use super::dome::Dome;
 use super::light::{off, open_sky, open_sun};
-use super::sun::sun_on;
+use super::sun::{Levels, may_see, sun_on_levels};
 use super::tiles::Tile;
 use super::transport::Transport;
 use crate::colour::luminance;
 use crate::conditions::{Conditions, Receiver};
 use crate::error::Result;
 use crate::memory;
+use crate::sky::Sky;
+use crate::sky::patches::Patch;
 use crate::task::Task;
+use crate::units::DEG;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Points whose rows are found together: a row of theirs fills some lines of the cache.
 const TOGETHER: usize = 32;
@@ -32,8 +36,15 @@ const TOGETHER: usize = 32;
 /// The most turns of the iteration: at a reflectance of 0.9 everywhere some 60 are needed.
 const TURNS: usize = 400;
 
-/// Patches that give no point more than this share of their light are left out [1].
-const NOTHING: f32 = 1e-9;
+/// Patches that together give no point more than this share of its light are left out [1].
+const NOTHING: f64 = 1e-5;
+
+/// The share of a point's light that may come of a spot of sun on a patch between the places that are looked at first [1].
+const SPOT: f64 = 2e-5;
+
+/// How far from a patch of the sky others are where a surface that is dark under all of them is dark under a sun there, over that patch's
+/// size, and at least [rad].
+const AROUND: [f64; 2] = [1.5, 6.0 * DEG];
 
 /// What points receive of each source.
 pub struct Coefficients {
@@ -45,6 +56,14 @@ pub struct Coefficients {
     sky: Vec<f32>,
     /// The patches of surfaces that points receive light of.
     patches: Vec<u32>,
+    /// How finely the sun on each of them is looked at.
+    levels: Vec<Levels>,
+    /// By patch of the sky: those near it.
+    around: Vec<Vec<u32>>,
+    /// By patch of the sky, found when it is asked for: whether each of `patches` sees it.
+    seeing: Vec<OnceLock<Vec<bool>>>,
+    /// By patch of the sky, found when it is asked for: which of `patches` the sun may light from there, by number in that list.
+    lit: Vec<OnceLock<Vec<u32>>>,
     /// By patch of that list, channel and point: illuminance for 1 lx that the patch receives from outside [1].
     surfaces: Vec<f32>,
     /// The same of the open ground's radiance, by channel and point [lx per cd/m2].
@@ -98,16 +117,8 @@ impl Coefficients {
             })
             .collect();
         let blocks = blocks?;
-        let mut active = vec![false; patches];
-        for block in &blocks {
-            let row = block.surfaces.len() / patches.max(1);
-            for (active, row) in active.iter_mut().zip(block.surfaces.chunks(row.max(1))) {
-                *active |= row.iter().any(|share| *share > NOTHING);
-            }
-        }
-        let active: Vec<u32> = (0..patches as u32)
-            .filter(|patch| active[*patch as usize])
-            .collect();
+        let shares = most_shares(&blocks, patches);
+        let active = all_but_least(&shares, NOTHING);
         let mut all = Coefficients {
             points: points.len(),
             channels,
@@ -116,6 +127,10 @@ impl Coefficients {
             surfaces: vec![0.0; active.len() * channels * points.len()],
             open_ground: vec![0.0; channels * points.len()],
             tiles: Vec::new(),
+            levels: Vec::new(),
+            around: around(&transport.dome),
+            seeing: vec![OnceLock::new(); skies],
+            lit: vec![OnceLock::new(); skies],
             patches: active,
         };
         let mut first = 0;
@@ -149,6 +164,16 @@ impl Coefficients {
         }
         all.tiles
             .sort_unstable_by_key(|(patch, tile, point, _)| (*patch, *tile, *point));
+        let levels = all.patches.iter().map(|patch| {
+            let first = (shares[*patch as usize] / SPOT).log(4.0).ceil().max(1.0) as u32;
+            let own = all.tiles_of(*patch).last();
+            let seen = own.map_or(0, |(_, tile, ..)| tile.level());
+            Levels {
+                first,
+                finest: seen.max(first + 1),
+            }
+        });
+        all.levels = levels.collect();
         Ok(all)
     }
 
@@ -172,12 +197,24 @@ impl Coefficients {
         4 * (self.sky.len() + self.surfaces.len()) + 32 * self.tiles.len()
     }
 
-    /// The illuminance [lx] that the sky's patches give, of these radiances [cd/m2, RGB], straight and by surfaces: added to that of
-    /// each point.
-    pub fn add_sky(&self, radiances: &[DVec3], illuminances: &mut [f64]) {
+    /// What points see of the tiles of a patch, from coarse ones to fine.
+    fn tiles_of(&self, patch: u32) -> &[(u32, Tile, u32, Vec3)] {
+        let begin = self.tiles.partition_point(|(p, ..)| *p < patch);
+        let own = &self.tiles[begin..];
+        &own[..own.partition_point(|(p, ..)| *p == patch)]
+    }
+
+    /// The illuminance [lx] that a sky gives, straight and by surfaces: added to that of each point.
+    pub fn add_sky(&self, sky: &Sky, illuminances: &mut [f64]) {
         let mut sum = vec![0.0; self.points];
-        for (patch, radiance) in radiances.iter().enumerate() {
-            self.add(&self.sky, patch, *radiance, &mut sum);
+        if self.is_grey() {
+            for (patch, luminance) in self.dome.luminances(sky).into_iter().enumerate() {
+                self.add(&self.sky, patch, DVec3::splat(luminance), &mut sum);
+            }
+        } else {
+            for (patch, radiance) in self.dome.radiances(sky).into_iter().enumerate() {
+                self.add(&self.sky, patch, radiance, &mut sum);
+            }
         }
         for (all, own) in illuminances.iter_mut().zip(sum) {
             *all += f64::from(own);
@@ -196,17 +233,18 @@ impl Coefficients {
             return;
         }
         let mut sum = vec![0.0; self.points];
-        for (at, patch) in self.patches.iter().enumerate() {
-            let direct = sun_on(transport, conditions, *patch as usize);
+        for at in self.lit_from(transport, conditions.sun.toward) {
+            let at = *at as usize;
+            let patch = self.patches[at];
+            let levels = Some(self.levels[at]);
+            let direct = sun_on_levels(transport, conditions, patch as usize, levels);
             if direct.mean != DVec3::ZERO {
                 self.add(&self.surfaces, at, direct.mean, &mut sum);
             }
             if direct.tiles.is_empty() {
                 continue;
             }
-            let begin = self.tiles.partition_point(|(p, ..)| p < patch);
-            let own = self.tiles[begin..].iter().take_while(|(p, ..)| p == patch);
-            for (_, tile, point, share) in own {
+            for (_, tile, point, share) in self.tiles_of(patch) {
                 if let Some(off) = off(&direct.tiles, *tile) {
                     sum[*point as usize] += luminance((*share * off).as_dvec3()) as f32;
                 }
@@ -217,6 +255,27 @@ impl Coefficients {
             // Tiles that are darker than their patch cannot take more than there is.
             *all += f64::from(own.max(0.0));
         }
+    }
+
+    /// Which patches a sun may light, by number in the list: those that see something of the sky around it.
+    fn lit_from(&self, transport: &Transport, toward: DVec3) -> &[u32] {
+        let sees = |sky: u32| {
+            self.seeing[sky as usize].get_or_init(|| {
+                let toward = self.dome.patches()[sky as usize].direction;
+                let patches = self.patches.iter();
+                patches
+                    .map(|patch| may_see(transport, *patch as usize, toward, sky.into()))
+                    .collect()
+            })
+        };
+        let own = self.dome.patch_of(toward) as usize;
+        self.lit[own].get_or_init(|| {
+            let all = self.around[own].iter().map(|sky| sees(*sky));
+            let all: Vec<&Vec<bool>> = all.collect();
+            (0..self.patches.len() as u32)
+                .filter(|at| all.iter().any(|sees| sees[*at as usize]))
+                .collect()
+        })
     }
 
     /// Adds what a source of a number gives, of this strength.
@@ -390,6 +449,55 @@ impl Transport {
         }
         found
     }
+}
+
+/// By patch: the greatest share that any point has of it, of all that surfaces would give if each received as much [1].
+fn most_shares(blocks: &[Block], patches: usize) -> Vec<f64> {
+    let mut most = vec![0.0f64; patches];
+    for block in blocks {
+        let width = block.surfaces.len() / patches.max(1);
+        let mut sums = vec![0.0f64; width];
+        for row in block.surfaces.chunks(width.max(1)) {
+            for (sum, share) in sums.iter_mut().zip(row) {
+                *sum += f64::from(*share);
+            }
+        }
+        for (most, row) in most.iter_mut().zip(block.surfaces.chunks(width.max(1))) {
+            let shares = row.iter().zip(&sums).filter(|(_, sum)| **sum > 0.0);
+            *most = shares.fold(*most, |m, (share, sum)| m.max(f64::from(*share) / sum));
+        }
+    }
+    most
+}
+
+/// The patches, in order, without those of least share which together have no more than `rest`.
+fn all_but_least(shares: &[f64], rest: f64) -> Vec<u32> {
+    let mut by_share: Vec<u32> = (0..shares.len() as u32).collect();
+    by_share.sort_by(|a, b| shares[*a as usize].total_cmp(&shares[*b as usize]));
+    let mut sum = 0.0;
+    let mut is_least = |patch: &u32| {
+        sum += shares[*patch as usize];
+        sum <= rest
+    };
+    let least = by_share.iter().take_while(|patch| is_least(patch)).count();
+    let mut kept = by_share.split_off(least);
+    kept.sort_unstable();
+    kept
+}
+
+/// Of each patch of the sky those near it.
+fn around(dome: &Dome) -> Vec<Vec<u32>> {
+    let [factor, least] = AROUND;
+    let patches = dome.patches();
+    let near = |patch: &Patch| {
+        let cosine = (factor * patch.solid_angle.sqrt()).max(least).cos();
+        let is_near = |other: &u32| {
+            let other = &patches[*other as usize];
+            other.direction.dot(patch.direction) >= cosine
+        };
+        (0..patches.len() as u32).filter(is_near).collect()
+    };
+    patches.iter().map(near).collect()
 }
 
 /// Whether nothing in a scene colours light.

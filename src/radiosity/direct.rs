@@ -71,6 +71,8 @@ pub(super) struct Look<'a, F> {
     pub most: Option<f64>,
     /// The level that is looked at first.
     pub level: u32,
+    /// The finest level: that of the part, or a coarser one.
+    pub depth: u32,
     /// Places looked at in all of the finest tiles along edges together; in each at least two, and at most so many.
     pub edge: [usize; 2],
     /// Where tiles are quartered however even it is around them.
@@ -103,7 +105,6 @@ impl<F: Fn(DVec3) -> DVec3> Look<'_, F> {
 
     /// The tiles of all levels, by number; the whole alone where all of it is alike.
     fn levels(&self) -> Option<Vec<Lit>> {
-        let depth = self.part.depth;
         let mut level = self.level;
         let side = 1 << level;
         let mut tiles: Vec<Lit> = (0..side * side)
@@ -117,7 +118,7 @@ impl<F: Fn(DVec3) -> DVec3> Look<'_, F> {
                 return Some(vec![Lit::mean(&tiles)]);
             }
         }
-        while level < depth {
+        while level < self.depth {
             tiles = self.quartered(level, &tiles);
             level += 1;
         }
@@ -200,7 +201,7 @@ impl<F: Fn(DVec3) -> DVec3> Look<'_, F> {
         for (tile, _) in self.watched(level) {
             even[tile] = false;
         }
-        let is_finest = level + 1 == self.part.depth;
+        let is_finest = level + 1 == self.depth;
         let mut watched: HashMap<usize, usize> = HashMap::new();
         if is_finest {
             for (tile, places) in self.watched(level + 1) {

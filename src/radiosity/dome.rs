@@ -1,7 +1,7 @@
 //! The sky's patches, found by direction.
 
 use crate::sky::Sky;
-use crate::sky::patches::{Finder, Patch, Subdivision, dome, radiances};
+use crate::sky::patches::{Finder, Patch, Subdivision, dome, luminances, radiances};
 use glam::DVec3;
 
 /// The sky dome in patches whose number is found from a direction.
@@ -42,6 +42,11 @@ impl Dome {
     /// The number of the patch of a direction above the horizon; of one below it, the patch on the horizon.
     pub fn patch_of(&self, toward: DVec3) -> u32 {
         self.finder.patch_of(&self.patches, toward)
+    }
+
+    /// Mean luminance of each patch [cd/m2].
+    pub fn luminances(&self, sky: &Sky) -> Vec<f64> {
+        luminances(sky, &self.patches)
     }
 
     /// Mean radiance of each patch [cd/m2, RGB].

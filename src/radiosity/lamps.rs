@@ -48,6 +48,7 @@ pub(super) fn lamps_on(transport: &Transport, conditions: &Conditions, patch: us
             alike: ALIKE,
             most: None,
             level: FIRST[usize::from(are_smooth(conditions))],
+            depth: part.depth,
             edge: EDGE,
             watched: watched(conditions, face, part),
         };

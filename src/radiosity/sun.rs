@@ -5,6 +5,7 @@
 //! along it are quartered as far as tiles go.
 
 use super::arrival::spread;
+use super::cells::Part;
 use super::direct::{Direct, Look};
 use super::transport::Transport;
 use crate::conditions::Conditions;
@@ -13,6 +14,9 @@ use glam::DVec3;
 
 /// Shadow rays to a patch that is no part of a plane: first, and where they differ.
 const RAYS: [usize; 2] = [16, 128];
+
+/// Points of a patch that look for each patch of the sky.
+const SPOTS: usize = 4;
 
 /// The least level on which it is found whether the sun lights all of a patch alike; else that of tiles half as large as the plane's
 /// finest cells.
@@ -24,8 +28,35 @@ const EDGE: [usize; 2] = [0, 2];
 /// What differs by more of the sun's light is not alike [1].
 const ALIKE: f64 = 0.02;
 
+/// Levels of tiles: the one that is looked at first, and the finest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Levels {
+    pub first: u32,
+    pub finest: u32,
+}
+
+impl Levels {
+    /// Those of a part of a plane that is to be seen from anywhere.
+    fn of(part: &Part) -> Self {
+        Levels {
+            first: part.depth.saturating_sub(2).max(FIRST),
+            finest: part.depth,
+        }
+    }
+}
+
 /// Finds it for the sun of `conditions`.
 pub(super) fn sun_on(transport: &Transport, conditions: &Conditions, patch: usize) -> Direct {
+    sun_on_levels(transport, conditions, patch, None)
+}
+
+/// The same no more finely than at some levels.
+pub(super) fn sun_on_levels(
+    transport: &Transport,
+    conditions: &Conditions,
+    patch: usize,
+    most: Option<Levels>,
+) -> Direct {
     let sun = &conditions.sun;
     if !sun.shines() || !transport.exchange.sees(patch) {
         return Direct::default();
@@ -36,13 +67,19 @@ pub(super) fn sun_on(transport: &Transport, conditions: &Conditions, patch: usiz
         if cosine <= 0.0 {
             return Direct::default();
         }
+        let all = Levels::of(part);
+        let levels = most.map_or(all, |most| Levels {
+            first: all.first.min(most.first),
+            finest: all.finest.min(most.finest),
+        });
         let look = Look {
             face,
             part,
             arrives: |point| through(transport, conditions, point, normal),
             alike: ALIKE,
             most: Some(1.0),
-            level: part.depth.saturating_sub(2).max(FIRST),
+            level: levels.first,
+            depth: levels.finest,
             edge: EDGE,
             watched: Vec::new(),
         };
@@ -54,6 +91,20 @@ pub(super) fn sun_on(transport: &Transport, conditions: &Conditions, patch: usiz
         mean: by_spots(transport, conditions, patch),
         tiles: Vec::new(),
     }
+}
+
+/// Whether any of some points of a patch sees a direction: it is dark under a sun that stands where none of them sees the sky.
+pub(super) fn may_see(transport: &Transport, patch: usize, toward: DVec3, seed: u64) -> bool {
+    let own = &transport.patches.all[patch];
+    (0..SPOTS).any(|i| {
+        let spot = own.spot(&spread(i, seed << 32 | patch as u64));
+        let ray = Ray {
+            origin: spot.lifted(transport.near(DVec3::ZERO)),
+            direction: toward,
+        };
+        let geometry = &transport.conditions.geometry;
+        spot.normal.dot(toward) > 0.0 && !geometry.occluded(&ray, 0.0, f64::INFINITY)
+    })
 }
 
 /// What of the sun's light arrives at a point that rays leave by the normal.

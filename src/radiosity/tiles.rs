@@ -35,10 +35,17 @@ impl Tile {
         usize::from(self.0)
     }
 
+    /// Its level.
+    pub(super) fn level(self) -> u32 {
+        (0..=FINEST)
+            .rfind(|level| first(*level) <= self.number())
+            .unwrap_or(0)
+    }
+
     /// The tile that this one is a quarter of.
     pub(super) fn whole(self) -> Option<Self> {
         let number = self.number();
-        let level = (1..=FINEST).rfind(|level| first(*level) <= number)?;
+        let level = Some(self.level()).filter(|level| *level > 0)?;
         let (at, side) = (number - first(level), 1 << level);
         let (i, j) = (at % side / 2, at / side / 2);
         Some(Tile((first(level - 1) + j * side / 2 + i) as u16))

@@ -290,7 +290,20 @@ impl Day {
         self.seen_at(&self.over_height(w.y), &self.around_sun(gamma, cos_gamma))
     }
 
-    /// The same where height and angle from the sun are known.
+    /// The luminance of [`Day::seen`] [cd/m2].
+    pub fn luminance(&self, w: DVec3, s: DVec3) -> f64 {
+        let Form::Luminance { parts, .. } = &self.form else {
+            return luminance(self.seen(w, s));
+        };
+        let (gamma, cos_gamma) = angle_between(w, s);
+        let of = |(gradation, scale): &(Gradation, f64)| match *scale > 0.0 {
+            true => (scale * gradation.value(w.y, gamma, cos_gamma)).max(0.0),
+            false => 0.0,
+        };
+        parts.iter().map(of).sum()
+    }
+
+    /// The same as [`Day::seen`] where height and angle from the sun are known.
     #[inline(always)]
     pub fn seen_at(&self, height: &Height, around: &Around) -> DVec3 {
         into_gamut(self.join(height, around))

@@ -33,6 +33,7 @@ pub use model::{DEFAULT_TURBIDITY, Irradiance, Model};
 pub use sun::{SunAt, SunLight, SunPath};
 pub(crate) use table::constants;
 
+use crate::colour::luminance;
 use crate::error::{Error, Result, with_short_numbers};
 use crate::units::DEG;
 use crate::warning::Warning;
@@ -98,6 +99,20 @@ impl Sky {
             let cos_gamma = direction.dot(self.toward_sun);
             sum += twilight.radiance(direction, self.toward_azimuth, cos_gamma) * *scale;
             sum += self.blend.cloud * (1.0 + 2.0 * direction.y.max(0.0));
+        }
+        sum
+    }
+
+    /// The luminance of [`Sky::radiance`] [cd/m2], without the work for its colour.
+    pub fn luminance(&self, direction: DVec3) -> f64 {
+        let mut sum = luminance(self.blend.uniform);
+        if let Some((day, scale)) = &self.blend.day {
+            sum += day.luminance(direction, self.toward_sun) * scale;
+        }
+        if let Some((twilight, scale)) = &self.blend.twilight {
+            let cos_gamma = direction.dot(self.toward_sun);
+            sum += luminance(twilight.radiance(direction, self.toward_azimuth, cos_gamma)) * scale;
+            sum += luminance(self.blend.cloud) * (1.0 + 2.0 * direction.y.max(0.0));
         }
         sum
     }

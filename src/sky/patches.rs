@@ -1,10 +1,13 @@
 //! The sky dome cut into patches: ReLiShaft's 5 728 triangles, Tregenza's 145 patches and Reinhart's subdivisions.
 
 use super::Sky;
+use crate::colour::luminance;
 use crate::error::{Error, Result};
 use crate::units::DEG;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::iter::Sum;
+use std::ops::{Div, Mul};
 
 /// How the dome is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +94,24 @@ pub fn radiances(sky: &Sky, patches: &[Patch]) -> Vec<DVec3> {
     means.into_iter().map(|l| l * factor).collect()
 }
 
+/// Their luminances [cd/m2]: those of [`radiances`], but that one factor makes the sum that of the sky.
+pub fn luminances(sky: &Sky, patches: &[Patch]) -> Vec<f64> {
+    let mut means: Vec<f64> = patches
+        .iter()
+        .map(|p| p.mean(|w| sky.luminance(w)))
+        .collect();
+    let sum: f64 = means
+        .iter()
+        .zip(patches)
+        .map(|(l, p)| l * p.projected)
+        .sum();
+    if sum > 0.0 {
+        let factor = luminance(sky.horizontal_illuminance()) / sum;
+        means.iter_mut().for_each(|l| *l *= factor);
+    }
+    means
+}
+
 impl Patch {
     /// How far within the planes of its sides a direction lies: not below 0 where a triangle contains it. Cells contain nothing.
     fn within(&self, toward: DVec3) -> f64 {
@@ -107,16 +128,15 @@ impl Patch {
     }
 
     /// Mean of a function of direction over the patch.
-    fn mean(&self, f: impl Fn(DVec3) -> DVec3) -> DVec3 {
+    fn mean<T>(&self, f: impl Fn(DVec3) -> T) -> T
+    where
+        T: Sum + Mul<f64, Output = T> + Div<f64, Output = T>,
+    {
         match self.area {
             Area::Triangle(corners) => {
-                let (sum, weight) = split(corners, 2)
-                    .map(|t| {
-                        let w = solid_angle(t);
-                        (f(centre(t)) * w, w)
-                    })
-                    .fold((DVec3::ZERO, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-                sum / weight
+                let parts = || split(corners, 2);
+                let weight: f64 = parts().map(solid_angle).sum();
+                parts().map(|t| f(centre(t)) * solid_angle(t)).sum::<T>() / weight
             }
             Area::Cell { azimuth, sine } => {
                 let step = 1.5 * DEG;
@@ -125,15 +145,13 @@ impl Patch {
                 let columns = ((azimuth[1] - azimuth[0]) * (1.0 - sine[0] * sine[0]).sqrt() / step)
                     .ceil()
                     .max(2.0) as u32;
-                let mut sum = DVec3::ZERO;
-                for i in 0..rows {
-                    let y = sine[0] + (sine[1] - sine[0]) * (f64::from(i) + 0.5) / f64::from(rows);
-                    for j in 0..columns {
-                        let part = (f64::from(j) + 0.5) / f64::from(columns);
-                        sum += f(toward(azimuth[0] + (azimuth[1] - azimuth[0]) * part, y));
-                    }
-                }
-                sum / f64::from(rows * columns)
+                let at = |k: u32, count: u32, [a, b]: [f64; 2]| {
+                    a + (b - a) * (f64::from(k) + 0.5) / f64::from(count)
+                };
+                let all = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+                let values =
+                    all.map(|(i, j)| f(toward(at(j, columns, azimuth), at(i, rows, sine))));
+                values.sum::<T>() / f64::from(rows * columns)
             }
         }
     }

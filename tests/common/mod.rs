@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod air;
+pub mod annual;
 pub mod build;
 pub mod files;
 pub mod flat;

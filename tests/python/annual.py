@@ -7,7 +7,8 @@ patches: unit vectors toward the middles of the patches; skies: a row an hour, t
 suns: a row an hour, the unit vector toward a sun that is a point, and its illuminance (0: none);
 sky, sun: bounces and divisions of a hemisphere for the light of either; n: processes.
 
-Out: illuminances, a row an hour; straight, what comes straight from the sun; seconds of the runs; their command lines.
+Out: illuminances, a row an hour; straight, what comes straight from the sun; coefficients of patches and suns, a row a point; seconds of
+the runs (processor time of all their processes in `cpu`); their command lines.
 
 The two-phase method: a matrix of all patches by rfluxmtx, times the skies by dctimestep. The suns have a run of their own at their true
 places (rcontrib, one modifier a sun), and one without bounces. Which of rfluxmtx's columns a patch is, is found by a ray toward it.
@@ -129,16 +130,22 @@ def computed(given, runs):
     with (runs.folder / "suns.oct").open("wb") as out:
         subprocess.run(["oconv", "-n", "30", "scene.rad", "suns.rad"], check=True, stdout=out, cwd=runs.folder)
     straight = np.zeros_like(total)
+    by_sun = {}
     for name, options, onto in [("sun", lit(given["sun"]), total), ("straight", lit([0, 1]), straight)]:
         command = ["rcontrib", "-h", "-faf", "-n", given["n"], "-I+", "-V+", *options, "-M", "suns.txt", "suns.oct"]
         found = np.frombuffer(runs.run(name, command, rays), dtype=np.float32)
         found = found.reshape(len(points), len(suns), 3)[:, :, 0]
+        by_sun[name] = found.tolist()
         for column, (hour, sun) in enumerate(suns):
             onto[hour] += sun[3] * found[:, column]
     return {
         "illuminances": total.tolist(),
         "straight": straight.tolist(),
+        "sky_coefficients": by_patch[:, columns].tolist(),
+        "sun_coefficients": by_sun["sun"],
+        "straight_coefficients": by_sun["straight"],
         "seconds": runs.seconds,
+        "cpu": sum(os.times()[2:4]),
         "commands": runs.commands,
     }
 

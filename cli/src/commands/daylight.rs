@@ -33,7 +33,7 @@ the meter faces, of any length; it looks up where they are left out. Every row c
 illuminance in lux: `illuminance` is the whole, `sun` and `sky` what comes straight from them, `indirect` what surfaces and the \
 ground send on; a scene with lamps has `lights` too, what comes straight from them.\n\n\
 With --grid the points are found: on a plane over all floors, over those of a room or an object, or on a surface by name. A summary \
-is printed, and -o writes a map (.png, .svg) or all values (.csv, .json). With --weather it is a year of hours with the metrics of \
+is printed, and -o writes a map (.png, .svg) or all values (.csv, .json, .exr). With --weather it is a year of hours with the metrics of \
 standards, and -o page.html one page of all that; with --sun-hours the hours of sun on a day.\n\n\
 Examples:\n  \
 tyndall daylight room.glb --at 48.8584,2.2945 --time 2026-06-21T12:00 --points desk.csv\n  \
@@ -54,7 +54,7 @@ pub struct DaylightArgs {
     /// Daylight factors under an overcast sky, cie:16 unless --sky says cie:1; place and time do not count
     #[arg(long, requires = "grid", conflicts_with = "points")]
     factor: bool,
-    /// With --grid: a file to write, by its ending .png or .svg (a map), .csv, .json, or of a year .html; may be repeated
+    /// With --grid: a file to write, by its ending .png or .svg (a map), .csv, .json, .exr, or of a year .html; may be repeated
     #[arg(
         short,
         long,

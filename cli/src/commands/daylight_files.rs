@@ -9,6 +9,8 @@ use tyndall::{Error, Result};
 pub enum Kind {
     /// A picture, .png or .svg.
     Map,
+    /// OpenEXR.
+    Raster,
     Csv,
     Json,
     /// HTML.
@@ -24,6 +26,7 @@ impl Kind {
         let ending = file.extension().unwrap_or_default().to_string_lossy();
         match ending.to_ascii_lowercase().as_str() {
             "png" | "svg" => Ok(Kind::Map),
+            "exr" => Ok(Kind::Raster),
             "csv" => Ok(Kind::Csv),
             "json" => Ok(Kind::Json),
             "html" | "htm" if pages => Ok(Kind::Page),
@@ -32,9 +35,11 @@ impl Kind {
                 "the name does not say what to write",
                 match pages {
                     true => {
-                        "let it end in .png or .svg for a map, .csv or .json for numbers, .html for a page"
+                        "let it end in .png or .svg for a map, .csv, .json or .exr for numbers, .html for a page"
                     }
-                    false => "let it end in .png or .svg for a map, .csv or .json for numbers",
+                    false => {
+                        "let it end in .png or .svg for a map, .csv, .json or .exr for numbers"
+                    }
                 },
             )),
         }

@@ -16,6 +16,7 @@ use tyndall::conditions::Conditions;
 use tyndall::daylight::factor::Summary;
 use tyndall::daylight::grid::{GridSpec, Sensors};
 use tyndall::daylight::map::{self, Caption};
+use tyndall::daylight::raster;
 use tyndall::output::scale::{Scale, short};
 use tyndall::output::{self, atomic};
 use tyndall::{Error, Result};
@@ -110,6 +111,7 @@ pub fn run(grid: &Grid, meter: &mut Meter) -> Result<()> {
         match Kind::of(file, false)? {
             Kind::Map => draw(file, grid, conditions, &values)?,
             Kind::Csv => write(file, csv(grid, &values))?,
+            Kind::Raster => raster::write(file, grid.sensors, &columns_of(grid, &values))?,
             Kind::Json => {
                 output::report::write(file, &report(grid, conditions, &values, &summaries))?
             }
@@ -121,6 +123,22 @@ pub fn run(grid: &Grid, meter: &mut Meter) -> Result<()> {
         tell::files(grid.files);
     }
     Ok(())
+}
+
+/// The columns of the table: the sum, the layers, and the daylight factor where that is asked for.
+fn columns_of(grid: &Grid, values: &Values) -> Vec<(String, Vec<f64>)> {
+    let count = values.all.first().map_or(1, Vec::len);
+    let layers = LAYERS[..count - 1].iter().map(|field| field.name());
+    let names = std::iter::once("illuminance").chain(layers);
+    let of = |(at, name): (usize, &str)| {
+        let lux = values.all.iter().map(|row| row[at]);
+        (format!("{name}_lx"), lux.collect())
+    };
+    let mut columns: Vec<(String, Vec<f64>)> = names.enumerate().map(of).collect();
+    if grid.is_factor {
+        columns.push(("daylight_factor_percent".into(), values.shown.clone()));
+    }
+    columns
 }
 
 /// Illuminance of open level ground by the sky alone [lx].
@@ -212,28 +230,9 @@ fn write(file: &Path, bytes: Vec<u8>) -> Result<()> {
 
 /// One row a sensor; units stand in the names of columns.
 fn csv(grid: &Grid, values: &Values) -> Vec<u8> {
-    let count = values.all.first().map_or(1, Vec::len);
-    let mut names: Vec<String> = [
-        "plane",
-        "x_m",
-        "y_m",
-        "z_m",
-        "nx",
-        "ny",
-        "nz",
-        "area_m2",
-        "illuminance_lx",
-    ]
-    .map(str::to_owned)
-    .to_vec();
-    names.extend(
-        LAYERS[..count - 1]
-            .iter()
-            .map(|field| format!("{}_lx", field.name())),
-    );
-    if grid.is_factor {
-        names.push("daylight_factor_percent".into());
-    }
+    let places = ["plane", "x_m", "y_m", "z_m", "nx", "ny", "nz", "area_m2"];
+    let mut names = places.map(str::to_owned).to_vec();
+    names.extend(columns_of(grid, values).into_iter().map(|(name, _)| name));
     let mut rows = Rows::with_capacity(64 * values.all.len());
     rows.row(&names);
     for ((sensor, lux), shown) in grid

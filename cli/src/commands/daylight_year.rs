@@ -1,6 +1,7 @@
 //! `tyndall daylight --weather` and `--sun-hours`: a year of hours with its metrics, and the hours of sun on a day.
 
 use super::daylight_files::{self, Kind};
+use super::daylight_variants::{self, Done, Variant, variants};
 use crate::arguments::form::FormArgs;
 use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::tables::printer::As;
@@ -9,6 +10,7 @@ use crate::tell;
 use chrono::{NaiveDate, NaiveTime};
 use clap::Args;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -21,6 +23,7 @@ use tyndall::daylight::hours::Hours;
 use tyndall::daylight::map::{self, Caption};
 use tyndall::daylight::metrics::{ByPoint, Metrics};
 use tyndall::daylight::page::{self, Picture};
+use tyndall::daylight::raster;
 use tyndall::daylight::report::{Line, Of, Report, hours_csv};
 use tyndall::daylight::sun_hours::{self, Span, SunHours};
 use tyndall::daylight::year::{self, Fineness, Year};
@@ -50,9 +53,19 @@ const UNUSED: [&str; 12] = [
 /// A year of weather, or the hours of sun on a day.
 #[derive(Debug, Args)]
 pub struct YearArgs {
-    /// A year of weather (.epw): the metrics of LM-83, UDI and EN 17037 of all sensors of --grid
+    /// A year of weather (.epw): the metrics of LM-83, UDI and EN 17037 of all sensors of --grid; repeat it to compare files
     #[arg(long, value_name = "FILE.epw", requires = "grid", conflicts_with_all = ["points", "time", "sun", "factor", "sun_hours"], conflicts_with_all = UNUSED)]
-    pub weather: Option<PathBuf>,
+    pub weather: Vec<PathBuf>,
+    /// With --weather: the model turned so many degrees from north through east, each a variant, as in 0,90,180,270
+    #[arg(
+        long,
+        value_name = "DEG",
+        requires = "weather",
+        conflicts_with = "sun_hours",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    turn: Vec<f64>,
     /// With --weather: how finely the sky is divided: 1 (145 patches), 2 (577) or 4 (2305)
     #[arg(
         long,
@@ -117,7 +130,7 @@ pub struct YearArgs {
 impl YearArgs {
     /// Whether anything of it is asked for.
     pub fn is_asked(&self) -> bool {
-        self.weather.is_some() || self.sun_hours.is_some()
+        !self.weather.is_empty() || self.sun_hours.is_some()
     }
 }
 
@@ -175,23 +188,45 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
             return Err(no_page(file));
         }
     }
-    for file in asked.files.iter().chain(&args.hours) {
-        daylight_files::claim(file, &mut in_use)?;
+    if let Some(date) = args.sun_hours {
+        for file in asked.files {
+            daylight_files::claim(file, &mut in_use)?;
+        }
+        assumed::reflectances(&mut scene);
+        return of_day(args, asked, scene, date);
+    }
+    let files: Result<Vec<(PathBuf, WeatherFile)>> = (args.weather.iter())
+        .map(|path| Ok((path.clone(), WeatherFile::read(path)?)))
+        .collect();
+    let files = files?;
+    let variants = variants(&files, &args.turn)?;
+    for variant in &variants {
+        for file in asked.files.iter().chain(&args.hours) {
+            daylight_files::claim(&variant.named(file), &mut in_use)?;
+        }
+        for file in asked.files {
+            if Kind::of(file, true)? == Kind::Csv {
+                daylight_files::claim(&figures_file(&variant.named(file)), &mut in_use)?;
+            }
+        }
     }
     assumed::reflectances(&mut scene);
-    match (&args.weather, args.sun_hours) {
-        (Some(weather), _) => of_year(args, asked, scene, weather),
-        (None, Some(date)) => of_day(args, asked, scene, date),
-        (None, None) => Ok(()),
-    }
+    of_year(args, asked, scene, &variants)
 }
 
-fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> Result<()> {
+/// Where the figures go that belong to a table of sensors.
+fn figures_file(sensors: &Path) -> PathBuf {
+    sensors.with_extension("figures.csv")
+}
+
+fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant]) -> Result<()> {
     let mut stages = Vec::new();
     let mut begin = Instant::now();
     let mut done = |name: &str| {
-        stages.push((name.to_owned(), begin.elapsed().as_secs_f64()));
+        let seconds = begin.elapsed().as_secs_f64();
+        stages.push((name.to_owned(), seconds));
         begin = Instant::now();
+        seconds
     };
     let show = args.show.as_deref().unwrap_or("da300_pct");
     let column = ByPoint::NAMES.iter().position(|name| *name == show);
@@ -202,32 +237,46 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
             format!("the columns are {}", ByPoint::NAMES.join(", ")),
         )
     })?;
-    let file = WeatherFile::read(weather)?;
+    let Some(Variant { file: first, .. }) = variants.first() else {
+        return Ok(());
+    };
     if args.weather_albedo {
-        let albedo = file.mean_albedo().ok_or_else(|| {
+        let albedo = first.mean_albedo().filter(|_| args.weather.len() == 1);
+        scene.ground.albedo = albedo.ok_or_else(|| {
             Error::input(
                 "--weather-albedo",
-                format!("{} has no albedo", file.file),
+                match args.weather.len() {
+                    1 => format!("{} has no albedo", first.file),
+                    _ => "weather files that are compared share one ground".into(),
+                },
                 "leave it out: the ground then has the scene's",
             )
         })?;
-        scene.ground.albedo = albedo;
     }
     let turbidity = scene.sky.turbidity;
-    let conditions = year::conditions(scene, &asked.scene.request(), &file)?;
+    let site = scene.site.clone();
+    let conditions = year::conditions(scene, &asked.scene.request(), first)?;
     let overrules = asked.plan.overrules();
     // Knobs that do not exist are told.
     Plan::new(&conditions, &overrules)?;
     let sensors = Sensors::new(&conditions.scene, &conditions.geometry, asked.grids)?;
-    let hours = Hours::new(
-        &file,
-        conditions.scene.north_deg,
-        turbidity,
-        args.label_shift,
-    )?;
     tell::warnings(&conditions.warnings);
-    tell::warnings(&hours.warnings);
     crate::commands::daylight_grid::tell(&sensors);
+    // What is wrong with a weather file is said before the work begins.
+    let all_hours: Result<Vec<Hours>> = (variants.iter())
+        .map(|variant| {
+            let north = conditions.scene.north_deg + variant.turn_deg;
+            let mut hours = Hours::new(variant.file, north, turbidity, args.label_shift)?;
+            if !std::ptr::eq(variant.file, *first) {
+                hours
+                    .warnings
+                    .extend(year::elsewhere(site.as_ref(), variant.file));
+            }
+            tell::warnings(&hours.warnings);
+            Ok(hours)
+        })
+        .collect();
+    let all_hours = all_hours?;
     done("read");
     let fineness = Fineness {
         patches: args.patches,
@@ -237,66 +286,102 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, weather: &Path) -> 
         Year::new(&conditions, sensors.receivers(), &fineness, task)
     })?;
     done("coefficients");
-    let clock = |hour: &tyndall::daylight::hours::Hour| {
-        f64::from(hour.hour) - 0.5
-            + hours.clock_shift_h()
-            + f64::from(u8::from(file.is_summer(hour.date)))
-    };
-    let table = tell::watched(None, |task| year.table(&hours, clock, task))?;
-    done("hours");
-    let metrics = Metrics::new(&table, &year.factors(16)?);
-    let quality = Line {
-        name: "quality".into(),
-        value: match overrules.set.is_empty() {
-            true => overrules.quality.name().into(),
-            false => format!("{}, {:?}", overrules.quality.name(), overrules.set),
-        },
-    };
-    let report = Report::new(Of {
-        year: &year,
-        sensors: &sensors,
-        file: &file,
-        hours: &hours,
-        table: &table,
-        metrics: &metrics,
-        fineness: &fineness,
-        inputs: vec![quality],
-    });
-    let map = |column: usize, scale: Option<&Scale>| {
-        let values: Vec<f64> = metrics.points.iter().map(|p| p.values()[column]).collect();
-        let scale = scale_of(ByPoint::NAMES[column], &values, scale);
-        let caption = Caption {
-            title: scale.title(),
-            lines: vec![format!("weather: {}", file.name)],
+    let factors = year.factors(16)?;
+    let mut all = Vec::new();
+    for (variant, hours) in variants.iter().zip(&all_hours) {
+        let file = variant.file;
+        let clock = |hour: &tyndall::daylight::hours::Hour| {
+            f64::from(hour.hour) - 0.5
+                + hours.clock_shift_h()
+                + f64::from(u8::from(file.is_summer(hour.date)))
         };
-        map::draw(&conditions.scene, &sensors, &values, &scale, &caption)
-    };
-    for path in asked.files {
-        match Kind::of(path, true)? {
-            Kind::Map => map(column, asked.scale).save(path)?,
-            Kind::Csv => write(path, &report.sensors_csv())?,
-            Kind::Json => output::report::write(path, &report)?,
-            Kind::Page => {
-                let maps = [2, 3, 6, 9].map(|column| Picture {
-                    title: ByPoint::NAMES[column].into(),
-                    svg: map(column, None).svg(),
-                });
-                write(path, &page::html(&report, &maps))?;
-            }
+        let table = tell::watched(None, |task| year.table(hours, clock, task))?;
+        let metrics = Metrics::new(&table, &factors);
+        let quality = Line {
+            name: "quality".into(),
+            value: match overrules.set.is_empty() {
+                true => overrules.quality.name().into(),
+                false => format!("{}, {:?}", overrules.quality.name(), overrules.set),
+            },
+        };
+        let mut scene = Cow::Borrowed(&*conditions.scene);
+        if variant.turn_deg != 0.0 {
+            scene.to_mut().north_deg += variant.turn_deg;
         }
+        let report = Report::new(Of {
+            year: &year,
+            sensors: &sensors,
+            file,
+            hours,
+            north_deg: scene.north_deg,
+            table: &table,
+            metrics: &metrics,
+            fineness: &fineness,
+            inputs: vec![quality],
+        });
+        let seconds = done(format!("hours {}", variant.tag).trim_end());
+        let map = |column: usize, scale: Option<&Scale>| {
+            let values: Vec<f64> = metrics.points.iter().map(|p| p.values()[column]).collect();
+            let scale = scale_of(ByPoint::NAMES[column], &values, scale);
+            let caption = Caption {
+                title: scale.title(),
+                lines: vec![format!("weather: {}", file.name)],
+            };
+            map::draw(&scene, &sensors, &values, &scale, &caption)
+        };
+        let mut written = Vec::new();
+        for path in asked.files {
+            let own = variant.named(path);
+            match Kind::of(path, true)? {
+                Kind::Map => map(column, asked.scale).save(&own)?,
+                Kind::Csv => {
+                    write(&own, &report.sensors_csv())?;
+                    write(&figures_file(&own), &report.figures_csv())?;
+                    written.push(figures_file(&own));
+                }
+                Kind::Raster => {
+                    let of = |(at, name): (usize, &&str)| {
+                        let values = metrics.points.iter().map(|p| p.values()[at]);
+                        ((*name).to_owned(), values.collect())
+                    };
+                    let columns: Vec<_> = ByPoint::NAMES.iter().enumerate().map(of).collect();
+                    raster::write(&own, &sensors, &columns)?;
+                }
+                Kind::Json => output::report::write(&own, &report)?,
+                Kind::Page => {
+                    let maps = [2, 3, 6, 9].map(|column| Picture {
+                        title: ByPoint::NAMES[column].into(),
+                        svg: map(column, None).svg(),
+                    });
+                    write(&own, &page::html(&report, &maps))?;
+                }
+            }
+            written.push(own);
+        }
+        if let Some(path) = &args.hours {
+            let own = variant.named(path);
+            atomic::write(&own, |to| hours_csv(file, &table, BufWriter::new(to)))?;
+            written.push(own);
+        }
+        done(format!("files {}", variant.tag).trim_end());
+        if !written.is_empty() {
+            tell::files(&written);
+        }
+        all.push(Done {
+            tag: variant.tag.clone(),
+            weather: file.name.clone(),
+            north_deg: scene.north_deg,
+            seconds,
+            report,
+        });
     }
-    if let Some(path) = &args.hours {
-        atomic::write(path, |to| hours_csv(&file, &table, BufWriter::new(to)))?;
-    }
-    done("files");
-    match As::table_or(asked.form) {
-        As::Csv => stdout::print(report.figures_csv())?,
-        As::Json => stdout::print_json(&report)?,
-        As::Table => stdout::print(figures(&report))?,
-    }
-    let files: Vec<PathBuf> = asked.files.iter().chain(&args.hours).cloned().collect();
-    if !files.is_empty() {
-        tell::files(&files);
+    match (all.as_slice(), As::table_or(asked.form)) {
+        ([one], As::Csv) => stdout::print(one.report.figures_csv())?,
+        ([one], As::Json) => stdout::print_json(&one.report)?,
+        ([one], As::Table) => stdout::print(figures(&one.report))?,
+        (all, As::Csv) => stdout::print(daylight_variants::csv(all))?,
+        (all, As::Json) => stdout::print_json(&daylight_variants::json(all))?,
+        (all, As::Table) => stdout::print(daylight_variants::table(all))?,
     }
     tell::stages(&stages);
     Ok(())
@@ -392,6 +477,9 @@ fn of_day(args: &YearArgs, asked: &Asked, mut scene: Scene, date: NaiveDate) -> 
                     .save(path)?;
             }
             Kind::Csv => write(path, &day_csv(&sensors, &found))?,
+            Kind::Raster => {
+                raster::write(path, &sensors, &[("sun_h".into(), found.hours.clone())])?;
+            }
             Kind::Json => output::report::write(path, &report)?,
             Kind::Page => return Err(no_page(path)),
         }

@@ -8,6 +8,7 @@ pub mod completions;
 pub mod daylight;
 pub mod daylight_files;
 pub mod daylight_grid;
+pub mod daylight_variants;
 pub mod daylight_year;
 pub mod doctor;
 pub mod photometry;

@@ -1,0 +1,166 @@
+//! The variants of a year: several weather files and orientations of one model, which share who sees whom.
+
+use crate::tell;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use tyndall::daylight::epw::WeatherFile;
+use tyndall::daylight::page;
+use tyndall::daylight::report::Report;
+use tyndall::{Error, Result};
+
+/// Figures that the table of variants has.
+const SHOWN: [(&str, &str); 6] = [
+    ("mean", "mean lx"),
+    ("sda", "sDA %"),
+    ("ase", "ASE %"),
+    ("udi_300_3000", "UDI %"),
+    ("en17037_year_minimum_target", "EN 300 lx %"),
+    ("factor_mean", "factor %"),
+];
+
+/// A weather file with an orientation.
+pub struct Variant<'a> {
+    /// The weather.
+    pub file: &'a WeatherFile,
+    /// By how much the model is turned [degrees], from north through east.
+    pub turn_deg: f64,
+    /// What tells it from the others, for names of files; empty where there is one alone.
+    pub tag: String,
+}
+
+impl Variant<'_> {
+    /// A file of its own beside one that is asked for: the tag goes before the ending.
+    pub fn named(&self, path: &Path) -> PathBuf {
+        match (self.tag.as_str(), path.extension()) {
+            ("", _) => path.to_owned(),
+            (tag, Some(ending)) => {
+                path.with_extension(format!("{tag}.{}", ending.to_string_lossy()))
+            }
+            (tag, None) => path.with_extension(tag),
+        }
+    }
+}
+
+/// All weather files with all turns, in this order.
+///
+/// # Errors
+/// [`Error::Input`] for two files of one name, for a turn that is given twice and for one that is no number.
+pub fn variants<'a>(
+    files: &'a [(PathBuf, WeatherFile)],
+    turns: &[f64],
+) -> Result<Vec<Variant<'a>>> {
+    let names: Vec<String> = files.iter().map(|(path, _)| stem(path)).collect();
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) {
+            return Err(Error::input(
+                "--weather",
+                format!("two weather files are called {name}"),
+                "give them other names: files of results are named after them",
+            ));
+        }
+    }
+    for (i, turn) in turns.iter().enumerate() {
+        if !turn.is_finite() || turns[..i].contains(turn) {
+            return Err(Error::input(
+                "--turn",
+                format!("{turn} degrees is given twice, or no number"),
+                "give each turn once, as in --turn 0,90,180,270",
+            ));
+        }
+    }
+    let turns = if turns.is_empty() { &[0.0][..] } else { turns };
+    let mut all = Vec::new();
+    for ((_, file), name) in files.iter().zip(&names) {
+        for turn in turns {
+            let mut parts = Vec::new();
+            if files.len() > 1 {
+                parts.push(name.clone());
+            }
+            if turns.len() > 1 {
+                parts.push(format!("turn{turn}"));
+            }
+            all.push(Variant {
+                file,
+                turn_deg: *turn,
+                tag: parts.join("."),
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// The name of a file without folder and ending.
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+/// A variant that is done.
+pub struct Done {
+    /// Its tag.
+    pub tag: String,
+    /// The name of its weather.
+    pub weather: String,
+    /// The azimuth that the scene's -Z axis faces [degrees].
+    pub north_deg: f64,
+    /// What it took once who sees whom was known [s].
+    pub seconds: f64,
+    /// What is told of it.
+    pub report: Report,
+}
+
+/// The table of variants for people.
+pub fn table(all: &[Done]) -> String {
+    let wide = |of: &dyn Fn(&Done) -> usize| all.iter().map(of).max().unwrap_or(0);
+    let names = wide(&|d| tell::clean(&d.tag).chars().count()).max(7);
+    let rooms = |d: &Done| {
+        let rooms = d.report.rooms.iter();
+        rooms.map(|r| r.name.chars().count()).max().unwrap_or(0)
+    };
+    let rooms = wide(&rooms).max(4);
+    let mut text = format!("{:<names$} {:<rooms$} {:>6}", "variant", "room", "s");
+    for (_, name) in SHOWN {
+        let _ = write!(text, " {name:>11}");
+    }
+    text.push('\n');
+    for done in all {
+        for room in &done.report.rooms {
+            let (tag, name) = (tell::clean(&done.tag), tell::clean(&room.name));
+            let _ = write!(text, "{tag:<names$} {name:<rooms$} {:>6.1}", done.seconds);
+            for (key, _) in SHOWN {
+                let value = room.figures.iter().find(|figure| figure.key == key);
+                let value = value.and_then(|figure| figure.value);
+                let _ = write!(text, " {:>11}", value.map_or("-".into(), page::shown));
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+/// The figures of all variants as CSV: those of one, behind the variant's name.
+pub fn csv(all: &[Done]) -> String {
+    let mut text = String::new();
+    for done in all {
+        for (number, line) in done.report.figures_csv().lines().enumerate() {
+            match (number, text.is_empty()) {
+                (0, true) => {
+                    let _ = writeln!(text, "variant,north_degrees,{line}");
+                }
+                (0, false) => {}
+                _ => {
+                    let tag = done.tag.replace('"', "\"\"");
+                    let _ = writeln!(text, "\"{tag}\",{},{line}", done.north_deg);
+                }
+            }
+        }
+    }
+    text
+}
+
+/// All variants for programs.
+pub fn json(all: &[Done]) -> Value {
+    let variant = |done: &Done| json!({"variant": done.tag, "weather": done.weather, "north_degrees": done.north_deg, "seconds": done.seconds, "report": done.report});
+    json!({"schema": 1, "variants": all.iter().map(variant).collect::<Vec<_>>()})
+}
