@@ -319,8 +319,8 @@ fn a_jpeg_shows_what_the_png_shows_and_holds_its_key() {
     let pairs = png.as_raw().iter().zip(jpeg.as_raw());
     let apart: Vec<f64> = pairs.map(|(a, b)| f64::from(a.abs_diff(*b))).collect();
     let mean = apart.iter().sum::<f64>() / apart.len() as f64;
-    assert!(mean < 1.0, "{mean} codes in the mean");
-    assert!(apart.iter().all(|d| *d <= 8.0), "{apart:?}");
+    assert!(mean < 2.0, "{mean} codes in the mean");
+    assert!(apart.iter().all(|d| *d <= 20.0), "{apart:?}");
     // What was cut off on the way is not the picture of any key.
     let bytes = std::fs::read(&paths[1]).expect("it is there");
     std::fs::write(&paths[1], &bytes[..bytes.len() - 2]).expect("it is written");

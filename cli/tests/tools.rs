@@ -47,7 +47,8 @@ fn completions_know_the_commands() {
 fn completions_offer_values() {
     for shell in ["bash", "fish", "zsh"] {
         let output = tyndall(&["completions", shell]);
-        let script = stdout(&output);
+        // A colon is written with a backslash in one of them.
+        let script = stdout(&output).replace('\\', "");
         for value in [
             "draft",
             "reference",
