@@ -368,16 +368,16 @@ mod tests {
             let t = root(counted, 0.0, f(0.0), day, f(day));
             (t, looks.get())
         };
-        // Halving a day down to a microsecond takes 37 looks; the method may take one more.
+        // Halving a day down to a microsecond takes 37 looks; the method may take one more, and rounding another.
         let (t, looks) = looks_at(&|t| (t / day - 0.3).sin());
         assert!((t - 0.3 * day).abs() < 1e-6 && looks <= 10, "{t}: {looks}");
         let (t, looks) = looks_at(&|t| 0.7 - t / day);
         assert!((t - 0.7 * day).abs() < 1e-6 && looks <= 10, "{t}: {looks}");
         let (t, looks) = looks_at(&|t| (t / day).powi(20) - 1e-6);
         let at = day * 1e-6f64.powf(0.05);
-        assert!((t - at).abs() < 1e-6 && looks <= 38, "{t}: {looks}");
+        assert!((t - at).abs() < 1e-6 && looks <= 39, "{t}: {looks}");
         let (t, looks) = looks_at(&|t| if t < 40_000.0 { -1.0 } else { 1e6 });
-        assert!((t - 40_000.0).abs() < 1e-6 && looks <= 38, "{t}: {looks}");
+        assert!((t - 40_000.0).abs() < 1e-6 && looks <= 39, "{t}: {looks}");
         // Ends that are roots need no look.
         assert_eq!(looks_at(&|t| t), (0.0, 0));
         assert_eq!(looks_at(&|t| t - day), (day, 0));
