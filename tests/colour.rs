@@ -558,3 +558,58 @@ fn the_plain_picture_has_the_codes_of_colour_science() {
     // A dither of one code cannot be seen: 1 is just visible.
     assert!(mean < 0.25, "{mean}");
 }
+
+#[test]
+fn a_temperature_off_the_locus_is_found_again() {
+    // A black body's u, v, moved by a known distance across the locus: the temperature stays, the distance is Duv.
+    let body = |kelvin: f64| {
+        let planck = |nm: f64| (560.0 / nm).powi(5) / (1.4388e7 / (nm * kelvin)).exp_m1();
+        colour::uv(colour::cie1931::xyz_from_spectrum(planck))
+    };
+    for kelvin in [1500.0, 2856.0, 5000.0, 6504.0, 10_000.0, 25_000.0] {
+        let [u, v] = body(kelvin);
+        let ([u0, v0], [u1, v1]) = (body(0.999 * kelvin), body(1.001 * kelvin));
+        let along = (u1 - u0).hypot(v1 - v0);
+        // Across, toward green.
+        let (across_u, across_v) = ((v1 - v0) / along, -(u1 - u0) / along);
+        for duv in [-0.02, -0.005, -0.001, 0.0, 0.001, 0.005, 0.02] {
+            let (u, v) = (u + duv * across_u, v + duv * across_v);
+            let below = 2.0 * u - 8.0 * v + 4.0;
+            let xyz = colour::xyz_from_xyy(DVec3::new(3.0 * u / below, 2.0 * v / below, 50.0));
+            let found = colour::temperature(xyz).expect("it is near the locus");
+            let ratio = found.cct / kelvin;
+            let error = found.duv - duv;
+            assert!((ratio - 1.0).abs() < 3e-4, "{kelvin} K, {duv}: {ratio}");
+            assert!(error.abs() < 4e-6, "{kelvin} K, {duv}: {error}");
+        }
+    }
+    assert!(colour::temperature(DVec3::ZERO).is_none());
+}
+
+#[test]
+fn tables_and_curves_end_where_they_say() {
+    let table = colour::cie1931::matching_functions;
+    for outside in [359.9, 830.1, 834.0] {
+        assert_eq!(table(outside), DVec3::ZERO, "{outside} nm");
+    }
+    // CIE 018:2019 at 555, 560 and, linear between, 557 nm.
+    let (at, next) = (table(555.0), table(560.0));
+    assert!(
+        (at - DVec3::new(0.51205, 1.0, 0.00575)).length() < 1e-4,
+        "{at}"
+    );
+    assert!((table(557.0) - (0.6 * at + 0.4 * next)).length() < 1e-12);
+    // IEC 61966-2-1: a line of slope 12.92 up to 0.0031308, and the two halves meet.
+    for linear in [0.0, 0.001, 0.003, 0.0032, 0.18, 1.0] {
+        let there = colour::srgb_encode(linear);
+        assert!(
+            (colour::srgb_decode(there) - linear).abs() < 1e-12,
+            "{linear}"
+        );
+    }
+    assert!((colour::srgb_encode(0.002) - 0.025_84).abs() < 1e-12);
+    assert!((colour::srgb_encode(0.18) - 0.461_356).abs() < 1e-6);
+    // XYZ as a space of its own has its axes for primaries, and the equal-energy white.
+    let own = Space::Xyz.chromaticities();
+    assert!(own.xyz_from_rgb().abs_diff_eq(DMat3::IDENTITY, 1e-12));
+}

@@ -322,10 +322,12 @@ fn light_and_size_of_the_disc_go_by_its_distance() {
             let sun = sun_position(tier, &utc(time), &site, &Weather::standard(&site));
             let expected = 1.0 / (distance * distance);
             let factor = sun.irradiance_factor / expected;
-            assert!((factor - 1.0).abs() < 2e-4, "{tier}, {time}: {factor}");
+            // Of all tiers only Spencer's series is wrong by more than these figures are rounded.
+            let bound = if tier == Tier::Day { 1.5e-3 } else { 2e-4 };
+            assert!((factor - 1.0).abs() < bound, "{tier}, {time}: {factor}");
             assert!((sun.irradiance_factor * sun.distance_au.powi(2) - 1.0).abs() < 1e-12);
             let seconds = sun.angular_radius / ARCSEC;
-            assert!((seconds - radius).abs() < 0.6, "{tier}, {time}: {seconds}");
+            assert!((seconds - radius).abs() < 1.0, "{tier}, {time}: {seconds}");
         }
     }
 }

@@ -47,7 +47,7 @@ pub fn uv(xyz: DVec3) -> [f64; 2] {
 
 /// CCT and Duv of an XYZ; `None` for black, outside 1 000 to 100 000 K, or further than 0.05 from the locus.
 ///
-/// Error: 0.01 mired and 1e-6 in Duv. Many blue skies have no CCT: no number is given then.
+/// Error: 0.02 % of the temperature and 4e-6 in Duv, 1 500 to 25 000 K. Many blue skies have no CCT: no number is given then.
 /// Source: Ohno 2013 (LEUKOS 10, 47): triangular solution where |Duv| < 0.002, parabolic elsewhere, on a 1 % table.
 pub fn temperature(xyz: DVec3) -> Option<Temperature> {
     if !(xyz.is_finite() && xyz.y > 0.0) {

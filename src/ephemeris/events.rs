@@ -341,3 +341,45 @@ pub fn duration_text(seconds: f64) -> String {
     let s = seconds.clamp(0.0, 100.0 * DAY).round() as u64;
     format!("{:02}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn the_ends_of_a_parabola_are_found() {
+        let bowl = |t: f64| (t - 1234.5) * (t - 1234.5) - 7.0;
+        let (t, value) = extremum(bowl, 0.0, 5000.0, true);
+        assert!((t - 1234.5).abs() < 0.1 && (value + 7.0).abs() < 0.01);
+        let (t, value) = extremum(|t| -bowl(t), 0.0, 5000.0, false);
+        assert!((t - 1234.5).abs() < 0.1 && (value - 7.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_root_takes_few_looks_and_never_more_than_bisection() {
+        let day = 86_400.0;
+        let looks_at = |f: &dyn Fn(f64) -> f64| {
+            let looks = Cell::new(0);
+            let counted = |t: f64| {
+                looks.set(looks.get() + 1);
+                f(t)
+            };
+            let t = root(counted, 0.0, f(0.0), day, f(day));
+            (t, looks.get())
+        };
+        // Halving a day down to a microsecond takes 37 looks; the method may take one more, and rounding another.
+        let (t, looks) = looks_at(&|t| (t / day - 0.3).sin());
+        assert!((t - 0.3 * day).abs() < 1e-6 && looks <= 10, "{t}: {looks}");
+        let (t, looks) = looks_at(&|t| 0.7 - t / day);
+        assert!((t - 0.7 * day).abs() < 1e-6 && looks <= 10, "{t}: {looks}");
+        let (t, looks) = looks_at(&|t| (t / day).powi(20) - 1e-6);
+        let at = day * 1e-6f64.powf(0.05);
+        assert!((t - at).abs() < 1e-6 && looks <= 39, "{t}: {looks}");
+        let (t, looks) = looks_at(&|t| if t < 40_000.0 { -1.0 } else { 1e6 });
+        assert!((t - 40_000.0).abs() < 1e-6 && looks <= 39, "{t}: {looks}");
+        // Ends that are roots need no look.
+        assert_eq!(looks_at(&|t| t), (0.0, 0));
+        assert_eq!(looks_at(&|t| t - day), (day, 0));
+    }
+}

@@ -215,4 +215,21 @@ mod tests {
         let found: Vec<DVec3> = found.map(|(_, colour)| colour).collect();
         assert_eq!(found, [DVec3::ZERO, DVec3::Y]);
     }
+
+    #[test]
+    fn spoilt_parts_are_found() {
+        let mut sound = Mixed::default();
+        assert!(sound.keep((2, 4), &mixture(&[1.0, 10_000.0]), 1 << 10));
+        for bad in [f32::NAN, f32::INFINITY, -1e-3] {
+            let mut mixed = sound.clone();
+            mixed.parts[1].colour.y = bad;
+            assert_eq!(mixed.spoilt(4), Some(2), "{bad}");
+        }
+        assert_eq!(sound.spoilt(4), None);
+        assert_eq!(
+            sound.spoilt(3),
+            Some(3),
+            "a picture of three pixels has no fourth"
+        );
+    }
 }

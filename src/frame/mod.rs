@@ -322,6 +322,21 @@ mod tests {
     }
 
     #[test]
+    fn a_pixel_takes_the_room_that_is_told() {
+        let mut frame = Frame::new(5, 7).expect("room for it");
+        for (layers, name) in (1..).zip(["sun", "sky", "lamps"]) {
+            let rgb = vec![Vec3::ONE; frame.pixels()];
+            frame.layers.push(Layer { name, rgb });
+            let colours = frame.layers.iter().map(|layer| size_of_val(&layer.rgb[..]));
+            let held = colours.sum::<usize>()
+                + size_of_val(&frame.depth[..])
+                + size_of_val(&frame.normal[..])
+                + size_of_val(&frame.transmittance[..]);
+            assert_eq!(35 * Frame::bytes_per_pixel(layers), held);
+        }
+    }
+
+    #[test]
     fn what_cannot_be_written_is_named() {
         let good = || {
             let mut frame = Frame::new(3, 2).expect("room for it");

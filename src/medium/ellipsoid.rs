@@ -77,3 +77,71 @@ impl Ellipsoid {
         (square > 0.0).then(|| [middle - square.sqrt(), middle + square.sqrt()])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chords_are_those_of_a_sphere() {
+        let sphere = Ellipsoid {
+            center: DVec3::new(1.0, 2.0, 3.0),
+            radii: DVec3::splat(2.0),
+            rotation: DQuat::from_rotation_y(0.7),
+            edge: Edge::Sharp,
+        };
+        // Half a radius beside the centre the chord is sqrt(3) radii long; from the centre it is one radius.
+        let origin = sphere.center + DVec3::new(-10.0, 1.0, 0.0);
+        let chord = sphere.chord(origin, DVec3::X, 100.0).expect("it is met");
+        assert!((chord.from - 10.0 + 3f64.sqrt()).abs() < 1e-12);
+        assert!((chord.to - 10.0 - 3f64.sqrt()).abs() < 1e-12);
+        let chord = sphere
+            .chord(sphere.center, DVec3::Z, 100.0)
+            .expect("from within");
+        assert!(chord.from == 0.0 && (chord.to - 2.0).abs() < 1e-12);
+        assert!(sphere.chord(origin, DVec3::X, 7.0).is_none());
+        assert!(sphere.chord(origin, -DVec3::X, 100.0).is_none());
+        assert_eq!(
+            sphere.density(sphere.center + DVec3::new(0.0, 1.9, 0.0)),
+            1.0
+        );
+        assert_eq!(
+            sphere.density(sphere.center + DVec3::new(0.0, 2.1, 0.0)),
+            0.0
+        );
+    }
+
+    #[test]
+    fn a_shadow_is_where_the_way_to_the_sun_meets_the_body() {
+        let body = Ellipsoid {
+            center: DVec3::new(-3.0, 5.0, 2.0),
+            radii: DVec3::new(1.0, 0.5, 3.0),
+            rotation: DQuat::from_euler(glam::EulerRot::YXZ, 0.4, -0.9, 1.3),
+            edge: Edge::Sharp,
+        };
+        let sun = DVec3::new(0.3, 0.8, -0.5).normalize();
+        let origin = DVec3::new(1.0, 0.2, -4.0);
+        let direction = (body.center - 4.0 * sun - origin).normalize();
+        let [from, to] = body
+            .in_line_with(origin, direction, sun)
+            .expect("it is in shadow");
+        // Whether the whole line through a point along the sun's rays meets the body, by its own chord.
+        let is_shaded = |t: f64| body.line(origin + t * direction, sun).is_some();
+        let margin = 1e-6 * (to - from);
+        assert!(to - from > 0.5);
+        assert!(is_shaded(from + margin) && is_shaded(to - margin));
+        assert!(!is_shaded(from - margin) && !is_shaded(to + margin));
+        // Along the sun's rays all is in line or nothing; beside the body nothing is.
+        let endless = Some([f64::NEG_INFINITY, f64::INFINITY]);
+        assert_eq!(
+            body.in_line_with(body.center - 9.0 * sun, sun, sun),
+            endless
+        );
+        assert!(
+            body.in_line_with(body.center + 9.0 * sun.any_orthonormal_vector(), sun, sun)
+                .is_none()
+        );
+        let beside = origin + 20.0 * direction.cross(sun).normalize();
+        assert!(body.in_line_with(beside, direction, sun).is_none());
+    }
+}

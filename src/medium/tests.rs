@@ -470,3 +470,23 @@ fn air_that_nothing_passes_shows_its_own_first_skin() {
         );
     }
 }
+
+#[test]
+fn any_number_of_points_integrates_polynomials_exactly() {
+    for count in 1..=40_u32 {
+        let nodes = gauss_nodes(count);
+        assert_eq!(nodes.len(), count as usize);
+        for power in 0..2 * count as i32 {
+            let sum: f64 = nodes.iter().map(|[x, weight]| weight * x.powi(power)).sum();
+            let exact = if power % 2 == 0 {
+                2.0 / f64::from(power + 1)
+            } else {
+                0.0
+            };
+            assert!(
+                (sum - exact).abs() < 1e-12,
+                "{count} points, x^{power}: {sum}"
+            );
+        }
+    }
+}
