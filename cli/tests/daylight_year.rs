@@ -100,7 +100,7 @@ fn weather_on(every: usize) -> String {
                 let angle = (15.0 * (f64::from(hour) - 12.5)).to_radians();
                 let (sin, cos) = 48f64.to_radians().sin_cos();
                 let sine = sin * declination.sin() + cos * declination.cos() * angle.cos();
-                let is_dark = number as usize % every > 0;
+                let is_dark = !(number as usize).is_multiple_of(every);
                 let sine = if is_dark { 0.0 } else { sine };
                 let direct = if sine > 0.05 { 700.0 } else { 0.0 };
                 let diffuse = 120.0 * sine.max(0.0);
