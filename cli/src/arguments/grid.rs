@@ -9,7 +9,7 @@ use tyndall::output::scale::Scale;
 /// Sensors on grids.
 #[derive(Debug, Args)]
 pub struct GridArgs {
-    /// Sensors on a grid over floors or on a surface: keys plane, spacing, inset (m), room, floor, surface; may be repeated
+    /// Sensors on a grid over floors or on a surface: keys plane, spacing, inset (m), room, floor, surface, opening; may be repeated
     #[arg(long, value_name = "plane=M,spacing=M,...", value_parser = spec, conflicts_with = "points")]
     pub grid: Vec<GridSpec>,
 }

@@ -263,8 +263,8 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
     tell::warnings(&conditions.warnings);
     crate::commands::daylight_grid::tell(&sensors);
     // What is wrong with a weather file is said before the work begins.
-    let all_hours: Result<Vec<Hours>> = (variants.iter())
-        .map(|variant| {
+    let all_hours: Result<Vec<Hours>> = (variants.iter().enumerate())
+        .map(|(number, variant)| {
             let north = conditions.scene.north_deg + variant.turn_deg;
             let mut hours = Hours::new(variant.file, north, turbidity, args.label_shift)?;
             if !std::ptr::eq(variant.file, *first) {
@@ -272,7 +272,11 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
                     .warnings
                     .extend(year::elsewhere(site.as_ref(), variant.file));
             }
-            tell::warnings(&hours.warnings);
+            // A file's are told once, however the model is turned.
+            let is_same = |other: &Variant| std::ptr::eq(variant.file, other.file);
+            if !variants[..number].iter().any(is_same) {
+                tell::warnings(&hours.warnings);
+            }
             Ok(hours)
         })
         .collect();
