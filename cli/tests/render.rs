@@ -29,7 +29,7 @@ fn a_picture_is_written_and_everything_is_said_on_standard_error() {
         "sunset 21:58",
         "reference (CPU",
         "effects",
-        "sun_disc",
+        "surface_sun",
         "estimate",
         "wrote",
         "tyndall.png, tyndall.exr",
