@@ -24,6 +24,8 @@ pub mod soft;
 pub mod views;
 pub mod weather;
 
+// Not every suite needs one.
+#[allow(unused_imports)]
 pub use gpu::gpu;
 
 use std::io::Write;

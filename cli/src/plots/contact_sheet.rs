@@ -5,7 +5,7 @@ use tyndall::output::drawing::{Drawing, PIXELS};
 use tyndall::output::lettering::Anchor;
 use tyndall::timelapse::frames::{Frames, read_pixels};
 use tyndall::timelapse::plan::FrameLine;
-use tyndall::{Error, Result};
+use tyndall::Result;
 
 const INK: Color = [25, 25, 25];
 const QUIET: Color = [110, 110, 110];
@@ -24,7 +24,7 @@ const LABEL: f64 = 15.0;
 /// Draws a sheet of the frames whose PNGs are `frames`; `lines` are their lines of the plan, in order.
 ///
 /// # Errors
-/// [`Error::Input`] when there is no frame, or for a PNG that cannot be read; [`Error::File`] for one that is missing.
+/// [`Input`](tyndall::Error::Input) when there is no frame, or for a PNG that cannot be read; [`File`](tyndall::Error::File) for one that is missing.
 pub fn draw(title: &str, frames: &Frames, lines: &[FrameLine]) -> Result<Drawing> {
     let step = (lines.len() as u64).div_ceil(MOST).max(1) as usize;
     let shown: Vec<&FrameLine> = lines.iter().step_by(step).collect();
