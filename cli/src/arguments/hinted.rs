@@ -75,3 +75,23 @@ pub fn zones() -> impl Iterator<Item = &'static str> {
     };
     civil::zone_names().filter(of_area).chain(["UTC"])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tyndall::sky::{DEFAULT_TURBIDITY, Model};
+
+    /// What their flags take is any text, and read later.
+    #[test]
+    fn skies_and_zones_are_what_there_is() {
+        for name in SKIES {
+            let model = Model::named(name, DEFAULT_TURBIDITY, None, 0.2);
+            assert!(model.is_ok(), "{name}: {model:?}");
+        }
+        assert!(Model::named("cie:17", DEFAULT_TURBIDITY, None, 0.2).is_err());
+        assert!(zones().count() > 300);
+        for name in zones().filter(|name| *name != "UTC") {
+            assert!(civil::Zone::named(name).is_ok(), "{name}");
+        }
+    }
+}

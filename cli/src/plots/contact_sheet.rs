@@ -5,7 +5,7 @@ use tyndall::output::drawing::{Drawing, PIXELS};
 use tyndall::output::lettering::Anchor;
 use tyndall::timelapse::frames::{Frames, read_pixels};
 use tyndall::timelapse::plan::FrameLine;
-use tyndall::{Error, Result};
+use tyndall::Result;
 
 const INK: Color = [25, 25, 25];
 const QUIET: Color = [110, 110, 110];
