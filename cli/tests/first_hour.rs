@@ -495,7 +495,7 @@ fn flags_that_would_do_nothing_are_refused() {
             "--json prints the same",
         ),
         (
-            "render slats.toml --size 70000x2 -o a.jpg".into(),
+            "render slats.toml --size 65536x2 -o a.jpg".into(),
             "1 to 65535",
         ),
         (

@@ -202,3 +202,33 @@ fn a_value_that_is_missing_is_told_in_few_words() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("earlier, later"), "{said}");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn no_bar_is_left_where_a_table_begins() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = env!("CARGO_BIN_EXE_tyndall");
+    let study = "accuracy --effect lamps --study-size 6x4 --frames 1 --study posts --plot a.svg";
+    // A terminal of both streams.
+    let output = Command::new("script")
+        .args(["-qec", &format!("'{program}' {study}"), "typescript"])
+        .current_dir(folder.path())
+        .env("TERM", "xterm")
+        .stdin(std::process::Stdio::null())
+        .output();
+    let output = match output {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            common::not_run("no_bar_is_left_where_a_table_begins", "no `script`");
+            return;
+        }
+        output => output.expect("it starts"),
+    };
+    assert!(output.status.success(), "{output:?}");
+    let shown = stdout(&output);
+    let (before, table) = shown.split_once("the CPU, f64; ").expect("a table");
+    let erased = "\u{1b}[2K";
+    assert!(before.contains(erased), "there was no bar: {before:?}");
+    assert!(!table.contains(erased), "{table:?}");
+    assert!(table.lines().count() > 20, "{table}");
+    assert!(folder.path().join("a-posts.svg").exists());
+}

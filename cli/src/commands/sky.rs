@@ -368,14 +368,22 @@ fn table(out: &mut Out, rows: &[Columns]) -> Result<()> {
         .iter()
         .map(|(_, title)| format!("{title:>14}"))
         .collect();
-    out.line(&format!("{:<26}{titles}", "time"))?;
+    let time = |row: &Columns| {
+        row.get("time")
+            .and_then(Value::as_str)
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let longest = rows.iter().map(|row| time(row).len()).max();
+    let width = longest.unwrap_or(0).max(25) + 1;
+    out.line(&format!("{:<width$}{titles}", "time"))?;
     for row in rows {
-        let time = row.get("time").and_then(Value::as_str).unwrap_or_default();
+        let time = time(row);
         let cells = SHOWN.iter().map(|(name, _)| {
             let number = row.get(*name).and_then(Value::as_f64);
             format!("{:>14}", number.map_or("\u{2014}".into(), short))
         });
-        out.line(&format!("{time:<26}{}", cells.collect::<String>()))?;
+        out.line(&format!("{time:<width$}{}", cells.collect::<String>()))?;
     }
     Ok(())
 }

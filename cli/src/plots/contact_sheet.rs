@@ -1,11 +1,11 @@
 //! The frames of a time-lapse on one sheet, each with its local time.
 
+use tyndall::Result;
 use tyndall::output::canvas::Color;
 use tyndall::output::drawing::{Drawing, PIXELS};
 use tyndall::output::lettering::Anchor;
 use tyndall::timelapse::frames::{Frames, read_pixels};
 use tyndall::timelapse::plan::FrameLine;
-use tyndall::Result;
 
 const INK: Color = [25, 25, 25];
 const QUIET: Color = [110, 110, 110];
