@@ -655,7 +655,12 @@ fn placeholders(page: &str) -> Vec<&str> {
         let capitals = word.matches(|c: char| c.is_ascii_uppercase()).count();
         word.contains('_') && capitals > 1 && !word.contains(char::is_lowercase)
     };
-    words.filter(is_loud).collect()
+    // A command in a comment may set a variable of the tests.
+    let is_ours = |word: &&str| word.starts_with("TYNDALL_");
+    words
+        .filter(is_loud)
+        .filter(|word| !is_ours(word))
+        .collect()
 }
 
 #[test]
