@@ -24,6 +24,7 @@ pub mod soft;
 pub mod views;
 pub mod weather;
 
+#[allow(unused_imports)] // not every test asks for one
 pub use gpu::gpu;
 
 use std::io::Write;
