@@ -71,7 +71,7 @@ fn homogeneous_air_in_closed_form_is_its_quadrature() {
         }
     }
     // Among posts, on exact lit runs, too.
-    for view in ["posts", "open lamp"] {
+    for view in ["posts", "open-lamp"] {
         let seen = lamp_scenes::named(view)
             .expect("it is there")
             .conditions([24, 16]);
@@ -135,11 +135,11 @@ fn the_glow_is_taken_where_its_bound_is_within_the_error_and_only_there() {
     assert!(chosen > 80 && left > 80, "{chosen} {left}");
     // Something stands in the way, or it is no even lamp in even air: the exact way takes over.
     let posts = lamp_scenes::named("posts").expect("it is there");
-    let mut spot_in_fog = lamp_scenes::named("open lamp").expect("it is there");
+    let mut spot_in_fog = lamp_scenes::named("open-lamp").expect("it is there");
     spot_in_fog.scene.lamps[0].distribution = spot(60.0, 0.3);
-    let mut forward = lamp_scenes::named("open lamp").expect("it is there");
+    let mut forward = lamp_scenes::named("open-lamp").expect("it is there");
     forward.scene.media[0].phase = Phase::HenyeyGreenstein { g: 0.3 };
-    let mut outside = lamp_scenes::named("open lamp").expect("it is there");
+    let mut outside = lamp_scenes::named("open-lamp").expect("it is there");
     outside.scene.lamps[0].position.y = 9.0;
     for (view, share) in [
         (posts, 0.2),
@@ -172,7 +172,7 @@ fn error_of(view: &str, integrator: Integrator, set: &[(&'static str, f64)]) -> 
 
 #[test]
 fn every_integrator_goes_toward_the_exact_one_as_it_takes_more_care() {
-    for view in ["open lamp", "posts", "grille"] {
+    for view in ["open-lamp", "posts", "grille"] {
         for (integrator, knob, values, last) in [
             (Integrator::Exact, "error", [1e-1, 1e-3, 1e-6], 1e-5),
             (Integrator::Glow, "error", [1e-1, 1e-3, 1e-6], 1e-5),
@@ -213,7 +213,7 @@ fn virtual_planes_converge_as_planes_lattice_and_light_map_grow() {
         ];
         off(view, Integrator::Planes, &set)
     };
-    for (view, close) in [("open lamp", 0.04), ("posts", 0.04), ("grille", 0.1)] {
+    for (view, close) in [("open-lamp", 0.04), ("posts", 0.04), ("grille", 0.1)] {
         let planes = [15.0, 75.0, 600.0].map(|planes| of(view, planes, 80.0, 256.0));
         let [[a, _], [b, _], [c, bias]] = planes;
         eprintln!("{view}: planes {planes:?}");

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
 
+use crate::tell;
 use tyndall::backend::{Backend, Wanted};
 use tyndall::{Result, memory};
 
@@ -35,11 +36,11 @@ fn refuse_to_die_of_full_files() {
 
 /// Runs everything; a panic is told as an error: that memory has run out, or a defect.
 pub fn run(all: impl FnOnce() -> ExitCode) -> ExitCode {
-    panic::set_hook(Box::new(tell));
+    panic::set_hook(Box::new(tell_panic));
     panic::catch_unwind(AssertUnwindSafe(all)).unwrap_or(ExitCode::FAILURE)
 }
 
-fn tell(info: &PanicHookInfo) {
+fn tell_panic(info: &PanicHookInfo) {
     let payload = info.payload();
     let words = payload.downcast_ref::<String>().map(String::as_str);
     let words = words.or_else(|| payload.downcast_ref::<&str>().copied());
@@ -76,7 +77,10 @@ pub fn open(wanted: Wanted) -> Result<Backend> {
             return Err(memory::not_enough("a graphics driver", LEAST_FOR_A_DRIVER));
         }
         Wanted::Auto if cramped => {
-            eprintln!("note: too little memory for a graphics driver; the reference renders");
+            tell::line(
+                "note",
+                "too little memory for a graphics driver; the reference renders",
+            );
             return Backend::open(Wanted::Reference);
         }
         _ => {}

@@ -24,6 +24,7 @@ use crate::commands::{
     accuracy, completions, daylight, doctor, photometry, plan, render, scene, schema, sky, sun,
     timelapse,
 };
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -57,7 +58,7 @@ impl Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     // Its times are between its ends.
     #[command(mut_arg("time", |time| time.hide(true)))]
     Timelapse(Box<timelapse::TimelapseArgs>),
@@ -103,12 +104,20 @@ fn main() -> ExitCode {
             tell::set(cli.talk());
             machine::run(move || run(cli.command))
         }
-        Err(said) => print(&said),
+        Err(said) => print(said),
     }
 }
 
+/// More names than these, such as those of time zones, are no help where one is missing.
+const MOST_NAMES: usize = 30;
+
 /// Prints what is wrong with the flags, or the help that was asked for, and says whether that went well.
-fn print(said: &clap::Error) -> ExitCode {
+fn print(mut said: clap::Error) -> ExitCode {
+    if let Some(ContextValue::Strings(names)) = said.get(ContextKind::ValidValue)
+        && names.len() > MOST_NAMES
+    {
+        said.remove(ContextKind::ValidValue);
+    }
     let printed = said.print().and_then(|()| std::io::stdout().flush());
     match printed {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -145,6 +154,51 @@ fn run(command: Command) -> ExitCode {
                 _ => None,
             };
             ExitCode::from(asked.unwrap_or(if error.is_input() { 2 } else { 1 }))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::error::ErrorKind;
+
+    #[test]
+    fn every_flag_takes_the_names_that_complete_it() {
+        let mut count = 0;
+        let refused = |command: &str, flag: &str, value: &str| {
+            // Other flags may be missing, which is told after values are read.
+            let words = ["tyndall", command, &format!("--{flag}={value}")];
+            let read = Cli::command().try_get_matches_from(words);
+            let kind = read.err().map(|error| error.kind());
+            matches!(
+                kind,
+                Some(ErrorKind::ValueValidation | ErrorKind::InvalidValue)
+            )
+        };
+        let mut all = Cli::command();
+        all.build();
+        for command in all.get_subcommands() {
+            for flag in command
+                .get_arguments()
+                .filter(|a| a.get_action().takes_values())
+            {
+                let Some(long) = flag.get_long() else {
+                    continue;
+                };
+                for name in flag.get_possible_values() {
+                    let (command, name) = (command.get_name(), name.get_name());
+                    assert!(!refused(command, long, name), "{command} --{long} {name}");
+                    count += 1;
+                }
+            }
+        }
+        assert!(count > 100, "{count}");
+        for (command, flag) in [("sky", "color-space"), ("sun", "tier"), ("render", "fold")] {
+            assert!(
+                refused(command, flag, "nothing-like-it"),
+                "{command} --{flag}"
+            );
         }
     }
 }

@@ -1,13 +1,38 @@
 //! How far a long task is: a bar on a terminal, elsewhere a line every so often.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use tyndall::task::Step;
 
 /// The time between two lines.
 const EVERY: Duration = Duration::from_secs(10);
+
+/// When a line was written last, whichever task it was about: many short ones are as long as one.
+static SPOKE: LazyLock<Spoke> = LazyLock::new(Spoke::default);
+
+/// When something was said last.
+#[derive(Clone)]
+struct Spoke(Arc<Mutex<Instant>>);
+
+impl Default for Spoke {
+    fn default() -> Self {
+        Spoke(Arc::new(Mutex::new(Instant::now())))
+    }
+}
+
+impl Spoke {
+    fn now(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+    }
+
+    /// The time until the next line is due.
+    fn due(&self, every: Duration) -> Duration {
+        let spoke = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        every.saturating_sub(spoke.elapsed())
+    }
+}
 
 /// A line is formatted on the stack of its thread [bytes].
 const STACK: usize = 128 << 10;
@@ -27,7 +52,7 @@ impl Bar {
     pub fn new(say: fn(&str)) -> Self {
         let bar = ProgressBar::new(1000);
         if bar.is_hidden() {
-            return Bar::Lines(Lines::new(EVERY, say));
+            return Bar::Lines(Lines::new(EVERY, SPOKE.clone(), say));
         }
         let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
         Bar::Drawn(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())))
@@ -49,7 +74,7 @@ impl Bar {
                 bar.set_message(words.to_owned());
                 bar.set_position((1000.0 * share) as u64);
             }
-            Bar::Lines(lines) => lines.told().take(words, share, is_timed),
+            Bar::Lines(lines) => lines.take(words, share, is_timed),
             Bar::Silent => {}
         }
     }
@@ -57,7 +82,15 @@ impl Bar {
     /// The next line is due only after the whole time between two: something else was said just now.
     pub fn spoke(&self) {
         if let Bar::Lines(lines) = self {
-            lines.told().spoke = Instant::now();
+            lines.spoke.now();
+        }
+    }
+
+    /// Does what writes lines, while nothing is drawn over them.
+    pub fn apart<T>(&self, work: impl FnOnce() -> T) -> T {
+        match self {
+            Bar::Drawn(bar) => bar.suspend(work),
+            _ => work(),
         }
     }
 
@@ -78,6 +111,7 @@ impl Drop for Bar {
 /// Lines that a thread of their own writes, however seldom the task says how far it is.
 pub struct Lines {
     shared: Arc<(Mutex<Told>, Condvar)>,
+    spoke: Spoke,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -89,8 +123,6 @@ struct Told {
     begun: (f64, Instant),
     /// Whether words are a stage's, of which it is found how long it takes.
     is_timed: bool,
-    /// When something was said.
-    spoke: Instant,
     is_over: bool,
 }
 
@@ -104,9 +136,12 @@ impl Told {
         self.is_timed = is_timed;
     }
 
-    /// The time until the next line is due.
-    fn due(&self, every: Duration) -> Duration {
-        every.saturating_sub(self.spoke.elapsed())
+    /// The time until the next line of it is due, where that is `due` for any task: one that has not said what it does has its whole time.
+    fn due(&self, every: Duration, due: Duration) -> Duration {
+        match self.words.is_empty() {
+            true => due.max(every.saturating_sub(self.begun.1.elapsed())),
+            false => due,
+        }
     }
 
     fn line(&self) -> String {
@@ -128,7 +163,7 @@ impl Told {
 }
 
 impl Lines {
-    fn new(every: Duration, say: impl Fn(&str) + Send + 'static) -> Self {
+    fn new(every: Duration, spoke: Spoke, say: impl Fn(&str) + Send + 'static) -> Self {
         let now = Instant::now();
         let shared = Arc::new((
             Mutex::new(Told {
@@ -136,20 +171,19 @@ impl Lines {
                 share: 0.0,
                 begun: (0.0, now),
                 is_timed: true,
-                spoke: now,
                 is_over: false,
             }),
             Condvar::new(),
         ));
-        let own = Arc::clone(&shared);
+        let (own, last) = (Arc::clone(&shared), spoke.clone());
         let work = move || {
             let (told, changed) = &*own;
             let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
             while !told.is_over {
-                let due = told.due(every);
+                let due = told.due(every, last.due(every));
                 if due.is_zero() {
                     say(&told.line());
-                    told.spoke = Instant::now();
+                    last.now();
                     continue;
                 }
                 let woken = changed.wait_timeout(told, due);
@@ -158,7 +192,21 @@ impl Lines {
         };
         // Where there is no thread to be had, the work matters more.
         let thread = thread::Builder::new().stack_size(STACK).spawn(work).ok();
-        Lines { shared, thread }
+        Lines {
+            shared,
+            spoke,
+            thread,
+        }
+    }
+
+    fn take(&self, words: &str, share: f64, is_timed: bool) {
+        let mut told = self.told();
+        let begins = told.words.is_empty();
+        told.take(words, share, is_timed);
+        if begins {
+            // A line may be due at once.
+            self.shared.1.notify_all();
+        }
     }
 
     fn told(&self) -> MutexGuard<'_, Told> {
@@ -195,13 +243,13 @@ mod tests {
         let said = Arc::new(Mutex::new(Vec::new()));
         let heard = Arc::clone(&said);
         let every = Duration::from_millis(20);
-        let bar = Bar::Lines(Lines::new(every, move |line| {
+        let begun = Instant::now();
+        let bar = Bar::Lines(Lines::new(every, Spoke::default(), move |line| {
             heard.lock().unwrap().push(line.to_owned());
         }));
         let step = |stage, share| bar.step(Step { stage, share });
         step("the picture", 0.0);
         step("the picture", 0.25);
-        let begun = Instant::now();
         let count = || said.lock().unwrap().len();
         while count() < 3 && begun.elapsed() < Duration::from_secs(20) {
             thread::sleep(Duration::from_millis(5));
@@ -218,6 +266,25 @@ mod tests {
     }
 
     #[test]
+    fn many_short_tasks_are_told_of_as_one_long() {
+        let (said, spoke) = (Arc::new(Mutex::new(0)), Spoke::default());
+        let begun = Instant::now();
+        let count = || *said.lock().unwrap();
+        while count() < 2 && begun.elapsed() < Duration::from_secs(20) {
+            let heard = Arc::clone(&said);
+            let every = Duration::from_millis(200);
+            let bar = Bar::Lines(Lines::new(every, spoke.clone(), move |line| {
+                assert!(line.starts_with("a short one"), "{line}");
+                *heard.lock().unwrap() += 1;
+            }));
+            bar.show("a short one", 0.5);
+            thread::sleep(Duration::from_millis(10));
+        }
+        assert!(count() >= 2, "ten seconds began anew with each");
+        assert!(begun.elapsed() >= Duration::from_millis(400), "not sooner");
+    }
+
+    #[test]
     fn what_is_left_goes_by_what_its_stage_took() {
         let now = Instant::now();
         let ago = |seconds| now.checked_sub(Duration::from_secs(seconds)).unwrap();
@@ -226,13 +293,18 @@ mod tests {
             share: 0.75,
             begun: (0.5, ago(60)),
             is_timed: true,
-            spoke: now,
             is_over: false,
         };
         assert_eq!(told.line(), "patches: 75 %, about 60 s left");
-        assert!(told.due(Duration::from_secs(10)) > Duration::from_secs(5));
-        told.spoke = ago(11);
-        assert!(told.due(Duration::from_secs(10)).is_zero());
+        let (every, none) = (Duration::from_secs(10), Duration::ZERO);
+        let spoke = |time| Spoke(Arc::new(Mutex::new(time)));
+        assert!(spoke(now).due(every) > Duration::from_secs(5));
+        assert!(spoke(ago(11)).due(every).is_zero());
+        assert!(told.due(every, none).is_zero());
+        told.words.clear();
+        told.begun.1 = now;
+        assert!(told.due(every, none) > Duration::from_secs(5));
+        told.words = "patches".into();
         told.begun = (0.75, ago(600));
         assert_eq!(told.line(), "patches: 75 %, for 10 min");
         told.is_timed = false;

@@ -4,15 +4,16 @@ use crate::tables::stdout;
 use clap::{Args, ValueEnum};
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 use tyndall::output::{self, Format};
 use tyndall::{Error, Result};
 
 /// The format of a picture that has no name.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct FormatArgs {
-    /// The format of a picture on standard output, -o -
-    #[arg(long, value_enum, value_name = "FORMAT", default_value = "png")]
-    format: FormatFlag,
+    /// The format of a picture on standard output, -o - [default: png]
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    format: Option<FormatFlag>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -46,11 +47,19 @@ impl Targets {
     /// Those of these names, once it is known that all can be written. `prints` is the flag that has words printed there, if one is given.
     ///
     /// # Errors
-    /// Those of [`output::check_targets`]; [`Error::Input`] where `-` is a terminal, is named twice, or where words go.
+    /// Those of [`output::check_targets`]; [`Error::Input`] where `-` is a terminal, is named twice, or where words go, and for a format
+    /// without it; [`Error::Failed`] where there is no folder for temporary files.
     pub fn check(paths: &[PathBuf], format: FormatArgs, prints: Option<&str>) -> Result<Self> {
         let is_piped = |path: &&PathBuf| path.as_path() == Path::new("-");
         let refused = |problem: &str, remedy: &str| Err(Error::input("-o -", problem, remedy));
         let piped = match (paths.iter().filter(is_piped).count(), prints) {
+            (0, _) if format.format.is_some() => {
+                return Err(Error::input(
+                    "--format",
+                    "it is of a picture on standard output, and none goes there",
+                    "add -o -, or leave it out: a file's name says its format",
+                ));
+            }
             (0, _) => None,
             (1, Some(flag)) => {
                 return refused(
@@ -64,7 +73,10 @@ impl Targets {
                     "pipe it into a program, or write to a file",
                 );
             }
-            (1, None) => Some(format.format.into()),
+            (1, None) => {
+                temporary_folder()?;
+                Some(format.format.map_or(Format::Png, Format::from))
+            }
             _ => return refused("it is named twice", "name it once"),
         };
         let files: Vec<PathBuf> = paths.iter().filter(|p| !is_piped(p)).cloned().collect();
@@ -101,8 +113,7 @@ impl Targets {
         let Some(format) = self.piped else {
             return Ok(());
         };
-        let room = |e| Error::writing(&std::env::temp_dir(), e);
-        let folder = tempfile::tempdir().map_err(room)?;
+        let folder = temporary_folder()?;
         let path = folder.path().join("picture");
         write(&path, format)?;
         let wrong = |e| Error::reading(&path, e);
@@ -116,4 +127,18 @@ impl Targets {
             }
         }
     }
+}
+
+/// A folder for what goes to standard output.
+fn temporary_folder() -> Result<TempDir> {
+    tempfile::tempdir().map_err(|error| {
+        let folder = std::env::temp_dir();
+        Error::failed(
+            format!(
+                "no folder for temporary files can be made in {}: {error}",
+                folder.display()
+            ),
+            "-o - needs one: name another folder by the variable TMPDIR, or write to a file",
+        )
+    })
 }

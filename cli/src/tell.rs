@@ -102,6 +102,21 @@ pub fn warnings(warnings: &[Warning]) {
     }
 }
 
+/// Warnings about many moments: each kind once, with the first of its moments.
+pub fn warnings_since(warnings: impl Iterator<Item = (String, Warning)>) {
+    let mut said = Vec::new();
+    for (moment, warning) in warnings {
+        let kind = std::mem::discriminant(&warning);
+        if !said.contains(&kind) {
+            said.push(kind);
+            always("warning", format!("from {moment} on: {warning}"));
+            if let Some(advice) = warning.advice() {
+                always("", format!("help: {advice}"));
+            }
+        }
+    }
+}
+
 /// Which effects run, and which do not that one might have expected: all of them with `--verbose`.
 ///
 /// Expected is what could run and is left out, what the sun would do if it shone, and what a knob is set of.

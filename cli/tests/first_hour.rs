@@ -410,3 +410,148 @@ fn the_sky_over_a_day_is_a_row_a_step() {
         );
     }
 }
+
+/// The rows of `tyndall sky`, or what it says of one time, as JSON; and what else it says.
+fn skies(words: &str) -> (serde_json::Value, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words: Vec<&str> = ["sky"].into_iter().chain(words.split(' ')).collect();
+    let output = tyndall(folder.path(), &[&words[..], &["--json"]].concat());
+    let said = stderr(&output);
+    assert!(output.status.success(), "{words:?}: {said}");
+    let rows = serde_json::from_slice(&output.stdout).expect("JSON");
+    (rows, said)
+}
+
+#[test]
+fn the_instants_of_a_range_are_not_rounded() {
+    // Paris mean time was 9 minutes and 21 seconds ahead.
+    let (rows, _) = skies("--at 48.8584,2.2945 --time 1900-01-01 --until 1900-01-02 --step 12h");
+    let expected = [
+        ("1900-01-01T00:00:00+00:09:21", "1899-12-31T23:50:39Z"),
+        ("1900-01-01T12:00:00+00:09:21", "1900-01-01T11:50:39Z"),
+    ];
+    let texts = |rows: &serde_json::Value, name: &str| -> Vec<String> {
+        let rows = rows.as_array().expect("rows").iter();
+        rows.map(|row| row[name].as_str().expect("a text").to_owned())
+            .collect()
+    };
+    assert_eq!(texts(&rows, "time"), expected.map(|(time, _)| time));
+    assert_eq!(texts(&rows, "utc"), expected.map(|(_, utc)| utc));
+    // Monrovia kept 44 minutes and 30 seconds until 1972.
+    let (one, _) = skies("--at 6.3,-10.8 --time 1970-01-01T12:00");
+    assert_eq!(one["time"], "1970-01-01T12:00:00-00:44:30");
+    assert_eq!(one["utc"], "1970-01-01T12:44:30Z");
+
+    let terrestrial = "--at 48.8584,2.2945 --time-scale tt --time JD2461000.5";
+    let (rows, _) = skies(&format!("{terrestrial} --until JD2461000.7 --step 2h"));
+    let (one, _) = skies(terrestrial);
+    assert_eq!(rows.as_array().map(Vec::len), Some(3));
+    for name in ["utc", "time", "offset_from"] {
+        assert_eq!(rows[0][name], one[name], "{name}");
+    }
+    let azimuth = |row: &serde_json::Value| row["sun_azimuth"].as_f64().expect("degrees");
+    assert!((azimuth(&rows[0]) - azimuth(&one)).abs() < 1e-9);
+    // TT is 69 s ahead of UTC.
+    let utc = one["utc"].as_str().expect("a time");
+    assert!(utc.starts_with("2025-11-20T23:58:5"), "{utc}");
+
+    let (rows, _) =
+        skies("--at 0,0 --time 2026-06-21T12:00:00Z --until 2026-06-21T12:00:00.1Z --step 0.0333");
+    let utc = texts(&rows, "utc");
+    let ends = ["00Z", "00.033300Z", "00.066600Z", "00.099900Z"];
+    assert_eq!(utc, ends.map(|end| format!("2026-06-21T12:00:{end}")));
+    assert_eq!(rows[1]["time"], "2026-06-21T12:00:00.033300+00:00");
+}
+
+#[test]
+fn a_range_warns_as_one_time_does() {
+    let measured = "--at 48,2 --time 2026-06-21T12:30 --direct-normal 900 --diffuse-horizontal 1";
+    let (one, said) = skies(measured);
+    let words = "outside the Perez model's data";
+    assert!(said.contains(words), "{said}");
+    let (rows, said) = skies(&format!("{measured} --until 2026-06-21T14:30 --step 30min"));
+    assert_eq!(said.matches(words).count(), 1, "{said}");
+    assert!(
+        said.contains("from 2026-06-21T12:30:00+02:00 on: "),
+        "{said}"
+    );
+    assert_eq!(rows[0]["warnings"], one["warnings"]);
+    assert_eq!(rows[3]["warnings"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn flags_that_would_do_nothing_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    slats(folder.path(), [24, 16]);
+    let render = "render slats.toml --backend reference --size 24x16";
+    for (words, says) in [
+        (
+            "sky --sun 180,30 -o a.png --format jpeg".to_owned(),
+            "add -o -",
+        ),
+        ("sky --sun 180,30 --format jpeg".into(), "--format"),
+        (format!("{render} -o a.png --format png"), "--format"),
+        (format!("{render} -o a.png --layers sun"), "--layers"),
+        (
+            format!("{render} -o a.png --report -"),
+            "--json prints the same",
+        ),
+        (
+            "render slats.toml --size 65536x2 -o a.jpg".into(),
+            "1 to 65535",
+        ),
+        (
+            "sky --sun 180,30 --size 65536 -o a.jpg".into(),
+            "1 to 65535",
+        ),
+        ("sky --sun 180,30 --size 101 -o a.png".into(), "--size 100"),
+        ("sky --sun 180,30 --size 0 -o a.png".into(), "--size 4"),
+        ("sky --sun 180,30 --size x51 -o a.png".into(), "--size x52"),
+        (
+            "sky --sun 180,30 --size 64x40 --projection cube -o a.png".into(),
+            "--size 66x11",
+        ),
+    ] {
+        let output = tyndall(folder.path(), &words.split(' ').collect::<Vec<_>>());
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{words}: {said}");
+        assert!(said.contains(says), "{words}: {said}");
+        assert!(output.stdout.is_empty(), "{words}");
+    }
+    let written = folder.path().read_dir().expect("it is there");
+    assert_eq!(written.count(), 2, "the scene and its mesh");
+}
+
+#[test]
+fn a_pipe_needs_a_temporary_folder_before_anything_is_made() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_tyndall"))
+        .args(["sky", "--sun", "180,30", "--size", "64", "-o", "-"])
+        .args(["-o", "beside.png"])
+        .current_dir(folder.path())
+        .env("TMPDIR", "/nowhere/at/all")
+        .output()
+        .expect("tyndall starts");
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("/nowhere/at/all"), "{said}");
+    assert!(said.contains("TMPDIR"), "{said}");
+    assert!(!folder.path().join("beside.png").exists());
+}
+
+#[test]
+fn notes_are_not_said_to_who_wants_quiet() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = "model,sun_elevation,turbidity,view_azimuth,view_elevation,place\n";
+    std::fs::write(folder.path().join("a.csv"), rows).expect("it is written");
+    let said = |more: &[&str]| {
+        let words = [&["sky", "--batch", "a.csv"], more].concat();
+        let output = tyndall(folder.path(), &words);
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let usual = said(&[]);
+    assert!(usual.contains("the column `place` is not read"), "{usual}");
+    assert!(usual.contains("a.csv has no rows"), "{usual}");
+    assert_eq!(said(&["--quiet"]), "");
+}

@@ -537,6 +537,10 @@ fn the_diagram_marks_the_sun_and_the_paths_of_dates() {
     // A few of them, where they are many.
     let months = drawn(&["--time", "2026-02-01", "--until", "2026-08-01"]);
     assert_eq!(paths(&months), 2 * 13);
+    // On into the next year.
+    let winter = drawn(&["--time", "2026-12-28", "--until", "2027-01-04"]);
+    assert_eq!(paths(&winter), 2 * 7);
+    assert!(winter.contains(">2026-12-28 to 2027-01-03<"));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The commands that serve the others: doctor, completions, man.
 
+mod common;
+
 use std::process::{Command, Output};
 
 fn tyndall(arguments: &[&str]) -> Output {
@@ -127,4 +129,106 @@ fn built_in_scenes_are_listed_and_written() {
     // What is there is not written over.
     let again = tyndall(&["scene", "smoke", "-o", into]);
     assert_eq!(again.status.code(), Some(2));
+}
+
+/// What the script for Bash answers to a line whose words Bash has taken apart; nothing where there is no Bash.
+#[cfg(unix)]
+fn completed(line: &str, words: &[&str]) -> Option<Vec<String>> {
+    let script = tyndall(&["completions", "bash"]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tyndall.bash");
+    std::fs::write(&path, &script.stdout).expect("it is written");
+    let ask = r#"
+        source "$1"; COMP_LINE=$2; shift 2
+        COMP_WORDS=("$@"); COMP_CWORD=$(( $# - 1 )); COMP_POINT=${#COMP_LINE}
+        COMP_WORDBREAKS=$' \t\n"\'><=;|&(:'
+        function=$(complete -p tyndall | sed 's/.*-F \([^ ]*\).*/\1/')
+        "$function" tyndall "${COMP_WORDS[COMP_CWORD]}" "${COMP_WORDS[COMP_CWORD - 1]}"
+        printf '%s\n' "${COMPREPLY[@]}""#;
+    let output = Command::new("bash")
+        .args(["--norc", "-c", ask, "bash"])
+        .arg(&path)
+        .arg(line)
+        .args(words)
+        .output();
+    let output = match output {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
+        output => output.expect("bash starts"),
+    };
+    assert!(output.stderr.is_empty(), "{output:?}");
+    Some(stdout(&output).lines().map(str::to_owned).collect())
+}
+
+#[cfg(unix)]
+#[test]
+fn bash_completes_names_with_colons_and_none_with_spaces() {
+    let begun = ["tyndall", "sky", "--sky"];
+    let Some(first) = completed("tyndall sky --sky ci", &[&begun[..], &["ci"]].concat()) else {
+        common::not_run(
+            "bash_completes_names_with_colons_and_none_with_spaces",
+            "no bash",
+        );
+        return;
+    };
+    assert_eq!(first.len(), 16, "{first:?}");
+    assert!(first.contains(&"cie:12".to_owned()), "{first:?}");
+    // Bash puts in what stands behind the colon.
+    let words = [&begun[..], &["cie", ":", "1"]].concat();
+    let second = completed("tyndall sky --sky cie:1", &words).expect("as above");
+    let expected = ["1", "10", "11", "12", "13", "14", "15", "16"];
+    assert_eq!(second, expected);
+    let words = [&begun[..], &["cie", ":"]].concat();
+    let all = completed("tyndall sky --sky cie:", &words).expect("as above");
+    assert_eq!(all.len(), 16, "{all:?}");
+    // Times have colons too.
+    let words = ["tyndall", "sky", "--time", "12", ":", "30", "--sky", "per"];
+    let after = completed("tyndall sky --time 12:30 --sky per", &words).expect("as above");
+    assert_eq!(after, ["perez"]);
+
+    let words = ["tyndall", "accuracy", "--study", "o"];
+    let study = completed("tyndall accuracy --study o", &words).expect("as above");
+    assert_eq!(study, ["open-lamp"]);
+}
+
+#[test]
+fn a_value_that_is_missing_is_told_in_few_words() {
+    let output = tyndall(&["sun", "--tz"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("--tz"), "{said}");
+    assert!(said.len() < 500, "{said}");
+    // Few names are of help.
+    let output = tyndall(&["sun", "--fold"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("earlier, later"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn no_bar_is_left_where_a_table_begins() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = env!("CARGO_BIN_EXE_tyndall");
+    let study = "accuracy --effect lamps --study-size 6x4 --frames 1 --study posts --plot a.svg";
+    // A terminal of both streams.
+    let output = Command::new("script")
+        .args(["-qec", &format!("'{program}' {study}"), "typescript"])
+        .current_dir(folder.path())
+        .env("TERM", "xterm")
+        .stdin(std::process::Stdio::null())
+        .output();
+    let output = match output {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            common::not_run("no_bar_is_left_where_a_table_begins", "no `script`");
+            return;
+        }
+        output => output.expect("it starts"),
+    };
+    assert!(output.status.success(), "{output:?}");
+    let shown = stdout(&output);
+    let (before, table) = shown.split_once("the CPU, f64; ").expect("a table");
+    let erased = "\u{1b}[2K";
+    assert!(before.contains(erased), "there was no bar: {before:?}");
+    assert!(!table.contains(erased), "{table:?}");
+    assert!(table.lines().count() > 20, "{table}");
+    assert!(folder.path().join("a-posts.svg").exists());
 }

@@ -53,7 +53,12 @@ fn complaint(expected: &str, folder: &Path, said: &str) -> Option<String> {
     let path = folder.join(what);
     let rest: Vec<&str> = rest.split(' ').collect();
     match rest[..] {
-        ["is", "there"] => (!path.is_file()).then(|| "it is missing".into()),
+        ["is", "there"] => match std::fs::metadata(&path) {
+            Ok(file) if file.len() == 0 => Some("it is empty".into()),
+            Ok(_) if is_broken(&path) => Some("it is no picture".into()),
+            Ok(_) => None,
+            Err(error) => Some(error.to_string()),
+        },
         ["is", width, "x", height, "pixels"] => match size(&path) {
             Some(size) if size.map(|n| n.to_string()) == [width, height] => None,
             found => Some(format!("{found:?}")),
@@ -91,6 +96,13 @@ fn number_after(said: &str, word: &str) -> Option<f64> {
     Some(if negative { -number } else { number })
 }
 
+/// Whether it should be a picture and is none.
+fn is_broken(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default();
+    let is_picture = ["png", "exr", "hdr"].iter().any(|known| ending == *known);
+    is_picture && size(path).is_none()
+}
+
 /// Width and height of a picture that is whole.
 fn size(path: &Path) -> Option<[usize; 2]> {
     match path.extension()?.to_str()? {
@@ -114,14 +126,14 @@ fn size(path: &Path) -> Option<[usize; 2]> {
     }
 }
 
-/// Runs a script; what it says on both streams, and its exit status.
+/// Runs a script up to its first command that fails; what it says on both streams, and its exit status.
 fn run(script: &str, folder: &Path) -> (String, i32) {
     let program = Path::new(env!("CARGO_BIN_EXE_tyndall"));
     let beside = program.parent().expect("a program is in a folder");
     let path = std::env::var("PATH").unwrap_or_default();
     let output = Command::new("sh")
         .arg("-c")
-        .arg(format!("exec 2>&1\n{script}"))
+        .arg(format!("set -e\nexec 2>&1\n{script}"))
         .current_dir(folder)
         .env("PATH", format!("{}:{path}", beside.display()))
         .stdin(Stdio::null())
@@ -183,6 +195,7 @@ fn what_is_not_so_is_noticed() {
     };
     put("a.csv", b"x\n1\n2\n");
     put("a.png", b"no picture");
+    put("a.svg", b"");
     put("a.hdr", b"#?RADIANCE\n\n-Y 32 +X 64\n");
     let said = "EV100 8.50\n\"azimuth\": -12.5e-1,\nat last 7.";
     let check = |line: &str| complaint(line, folder.path(), said);
@@ -201,6 +214,8 @@ fn what_is_not_so_is_noticed() {
         "`a.csv` has 4 lines",
         "`b.csv` has 3 lines",
         "`b.csv` is there",
+        "`a.svg` is there",
+        "`a.png` is there",
         "`a.hdr` is 32 x 64 pixels",
         "`a.png` is 64 x 32 pixels",
         "says `never`",
@@ -222,4 +237,6 @@ fn what_is_not_so_is_noticed() {
         run("echo out; echo err >&2; exit 3", folder.path()),
         ("out\nerr\n".into(), 3)
     );
+    // Not the last one's status alone.
+    assert_eq!(run("false\necho on", folder.path()), (String::new(), 1));
 }

@@ -300,6 +300,14 @@ pub struct Moment {
 }
 
 impl Moment {
+    /// The moment at an instant, by a clock: no text is read.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] outside the years -2000 to 6000, or for a delta-T out of range.
+    pub fn at(utc: DateTime<Utc>, clock: &Zone, reading: &Reading) -> Result<Self> {
+        finish(instant_of(utc, reading)?, utc, clock.clone(), reading)
+    }
+
     /// The local time.
     pub fn local(&self) -> DateTime<FixedOffset> {
         self.utc.with_timezone(&fixed_offset(self.offset_seconds))
@@ -594,6 +602,15 @@ pub fn local_text(local: DateTime<FixedOffset>) -> String {
     format!(
         "{}{}",
         local.format("%Y-%m-%dT%H:%M:%S"),
+        offset_text(local.offset().local_minus_utc())
+    )
+}
+
+/// As [`local_text`], with as many digits of the second as there are.
+pub fn exact_local_text(local: DateTime<FixedOffset>) -> String {
+    format!(
+        "{}{}",
+        local.format("%Y-%m-%dT%H:%M:%S%.f"),
         offset_text(local.offset().local_minus_utc())
     )
 }

@@ -103,8 +103,8 @@ impl Site {
 /// Latitude and longitude [degrees] as people write them: `48.8584°N, 2.2945°E`, to a millionth of a degree, 0.1 m on the ground.
 pub fn coordinates(latitude_deg: f64, longitude_deg: f64) -> String {
     let degrees = |value: f64, letters: [char; 2]| {
-        let size = (value.abs() * 1e6).round() / 1e6;
-        format!("{size}°{}", letters[usize::from(value < 0.0)])
+        let rounded = (value * 1e6).round() / 1e6;
+        format!("{}°{}", rounded.abs(), letters[usize::from(rounded < 0.0)])
     };
     let north = degrees(latitude_deg, ['N', 'S']);
     format!("{north}, {}", degrees(longitude_deg, ['E', 'W']))
@@ -122,6 +122,8 @@ mod tests {
         assert_eq!(Site::new(0.0, 202.6, 0.0).unwrap().longitude_deg(), -157.4);
         let site = Site::new(-(20.0 + 1.0 / 3.0), 202.6, 0.0).unwrap();
         assert_eq!(site.coordinates(), "20.333333°S, 157.4°W");
+        assert_eq!(coordinates(-1e-9, -1e-9), "0°N, 0°E");
+        assert_eq!(coordinates(-1e-6, 6e-7), "0.000001°S, 0.000001°E");
         assert!(
             (-180.0..180.0).contains(&Site::new(0.0, -180.0 - 1e-14, 0.0).unwrap().longitude_deg())
         );

@@ -274,8 +274,8 @@ pub(super) fn julian_date(text: &str, digits: &str) -> Result<Julian> {
     ))
 }
 
-/// A time that passes, of whole milliseconds: numbers and their units (`ms`, `s`, `m` or `min`, `h`), the largest first or not, as in
-/// `30s`, `1h30m` and `1.5h`. Nothing for other texts.
+/// A time that passes, to the nanosecond: numbers and their units (`ms`, `s`, `m` or `min`, `h`, and `d` of 24 hours), the largest first or
+/// not, as in `30s`, `1h30m`, `1.5h`, `10 min` and `1e3s`. Nothing for other texts.
 pub fn duration(text: &str) -> Option<TimeDelta> {
     let mut rest = text.trim();
     let mut sum = 0.0;
@@ -283,23 +283,51 @@ pub fn duration(text: &str) -> Option<TimeDelta> {
         return None;
     }
     while !rest.is_empty() {
-        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
-        let number: f64 = rest[..end].parse().ok()?;
-        rest = &rest[end..];
-        let end = rest.find(|c: char| !c.is_ascii_alphabetic());
-        let (unit, after) = rest.split_at(end.unwrap_or(rest.len()));
-        sum += number
-            * match unit {
-                "ms" => 1.0,
-                "s" | "sec" => 1e3,
-                "m" | "min" => 6e4,
-                "h" => 3.6e6,
-                _ => return None,
-            };
-        rest = after;
+        let (number, after) = rest.split_at(number_length(rest));
+        let after = after.trim_start();
+        let end = after.find(|c: char| !c.is_ascii_alphabetic());
+        let (unit, after) = after.split_at(end.unwrap_or(after.len()));
+        let milliseconds = match unit {
+            "ms" => 1.0,
+            "s" | "sec" => 1e3,
+            "m" | "min" => 6e4,
+            "h" => 3.6e6,
+            "d" => 8.64e7,
+            _ => return None,
+        };
+        sum += number.parse::<f64>().ok()? * milliseconds;
+        rest = after.trim_start();
     }
-    let whole = (sum.round() - sum).abs() < 1e-6 && sum <= 1e15;
-    whole.then(|| TimeDelta::try_milliseconds(sum.round() as i64))?
+    if sum > 1e15 {
+        return None;
+    }
+    // What is written in whole milliseconds is read so, whatever the sum's last bits.
+    let whole = sum.round();
+    match (whole - sum).abs() <= f64::max(1e-7, 4.0 * f64::EPSILON * sum) {
+        true => TimeDelta::try_milliseconds(whole as i64),
+        false => {
+            let nanoseconds = 1e6 * (sum - sum.floor());
+            let rest = TimeDelta::nanoseconds(nanoseconds.round() as i64);
+            TimeDelta::try_milliseconds(sum.floor() as i64)?.checked_add(&rest)
+        }
+    }
+}
+
+/// How many bytes of a text are a number without a sign, perhaps with an exponent.
+fn number_length(text: &str) -> usize {
+    let digits = |text: &str, more: &str| {
+        let is_part = |c: char| c.is_ascii_digit() || more.contains(c);
+        text.find(|c| !is_part(c)).unwrap_or(text.len())
+    };
+    let length = digits(text, ".");
+    let Some(exponent) = text[length..].strip_prefix(['e', 'E']) else {
+        return length;
+    };
+    let unsigned = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
+    match digits(unsigned, "") {
+        0 => length,
+        count => text.len() - unsigned.len() + count,
+    }
 }
 
 #[cfg(test)]

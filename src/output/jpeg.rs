@@ -16,6 +16,23 @@ const LONGEST: u32 = 65_535;
 /// The application segment that holds words of the picture's own; no program is known to use it.
 const SEGMENT: u8 = 9;
 
+/// Whether the format has room for a picture of that size [pixels].
+///
+/// # Errors
+/// [`Error::Domain`] for a side of more than 65 535 pixels.
+pub fn check_size([width, height]: [u32; 2]) -> Result<()> {
+    let longest = width.max(height);
+    if longest <= LONGEST {
+        return Ok(());
+    }
+    Err(Error::domain(
+        "a side of a JPEG",
+        format!("{longest} pixels"),
+        format!("1 to {LONGEST}"),
+        "write a PNG",
+    ))
+}
+
 /// Writes `rgb`, three bytes a pixel from the top left, with words of the picture's own by their names, in application segments.
 ///
 /// # Errors
@@ -28,14 +45,7 @@ pub fn write(
     rgb: &[u8],
     words: &[(&str, &str)],
 ) -> Result<()> {
-    if width.max(height) > LONGEST {
-        return Err(Error::domain(
-            "a side of a JPEG",
-            format!("{} pixels", width.max(height)),
-            format!("1 to {LONGEST}"),
-            "write a PNG",
-        ));
-    }
+    check_size([width, height])?;
     let [width, height] = [width, height].map(|side| side as u16);
     let fill = |file: &mut File| {
         let mut buffered = BufWriter::new(file);

@@ -30,12 +30,37 @@ pub fn write(
                 Some(Value::Text(key)) => &[(KEY, key)],
                 _ => &[],
             };
-            let write = match format {
-                Format::Png => png::write_with,
-                _ => jpeg::write,
-            };
-            write(path, frame.width, frame.height, &bytes, words)
+            write_shown(path, format, [frame.width, frame.height], &bytes, words)
         }
+    }
+}
+
+/// Writes a picture as a screen shows it, three bytes a pixel from the top left, as a JPEG or else a PNG, with words of its own by their
+/// names.
+///
+/// # Errors
+/// Those of [`png::write_with`] and [`jpeg::write`].
+pub fn write_shown(
+    path: &Path,
+    format: Format,
+    [width, height]: [u32; 2],
+    rgb: &[u8],
+    words: &[(&str, &str)],
+) -> Result<()> {
+    match format {
+        Format::Jpeg => jpeg::write(path, width, height, rgb, words),
+        _ => png::write_with(path, width, height, rgb, words),
+    }
+}
+
+/// Whether each of the formats has room for a picture of that size [pixels]: to be asked before the expensive work.
+///
+/// # Errors
+/// Those of [`jpeg::check_size`].
+pub fn check_size(formats: &[Format], size: [u32; 2]) -> Result<()> {
+    match formats.contains(&Format::Jpeg) {
+        true => jpeg::check_size(size),
+        false => Ok(()),
     }
 }
 

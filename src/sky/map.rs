@@ -32,6 +32,9 @@ pub struct Map {
     pub height: u32,
 }
 
+/// The most rows of a map.
+const HIGHEST: u32 = 32_768;
+
 /// Points that the sun's disc is made of: a texel that it covers in full gets some hundred of them at 8 192 texels around.
 const DISC_POINTS: usize = 1 << 16;
 
@@ -67,24 +70,44 @@ impl Painter<'_> {
     }
 }
 
+impl Projection {
+    /// The width of its maps over their height, and what their heights are multiples of.
+    fn shape(self) -> (u32, u32) {
+        match self {
+            // The horizon lies between two rows.
+            Projection::Equirectangular => (2, 2),
+            Projection::Fisheye => (1, 1),
+            Projection::Cube => (6, 1),
+        }
+    }
+
+    /// The size of a map [texels] whose width is nearest to that of `size`.
+    pub fn nearest(self, [width, _]: [u32; 2]) -> [u32; 2] {
+        let (aspect, multiple) = self.shape();
+        let steps = (f64::from(width) / f64::from(aspect * multiple)).round();
+        let height = multiple * steps.clamp(1.0, f64::from(HIGHEST / multiple)) as u32;
+        [aspect * height, height]
+    }
+}
+
 impl Map {
     /// A map of that size.
     ///
     /// # Errors
     /// [`Error::Domain`] when the sides do not fit the projection (2:1, 1:1 or 6:1), or exceed 32 768 texels.
     pub fn new(projection: Projection, width: u32, height: u32) -> Result<Self> {
-        let (aspect, shape) = match projection {
-            Projection::Equirectangular => (2, "twice as wide as high, and even in height"),
-            Projection::Fisheye => (1, "square"),
-            Projection::Cube => (6, "six times as wide as high"),
+        let shape = match projection {
+            Projection::Equirectangular => "twice as wide as high, and even in height",
+            Projection::Fisheye => "square",
+            Projection::Cube => "six times as wide as high",
         };
-        let even = projection != Projection::Equirectangular || height.is_multiple_of(2);
-        if height == 0 || height > 32_768 || u64::from(height) * aspect != u64::from(width) || !even
-        {
+        let (aspect, multiple) = projection.shape();
+        let is_wide = u64::from(height) * u64::from(aspect) == u64::from(width);
+        if !(1..=HIGHEST).contains(&height) || !height.is_multiple_of(multiple) || !is_wide {
             return Err(Error::domain(
                 "the map's size",
                 format!("{width}x{height}"),
-                format!("{shape}, at most 32768 high"),
+                format!("{shape}, at most {HIGHEST} high"),
                 "give such a size",
             ));
         }

@@ -9,12 +9,12 @@ use glam::DVec3;
 use std::f64::consts::FRAC_PI_4;
 
 /// The names of the views.
-pub const NAMES: [&str; 3] = ["open lamp", "posts", "grille"];
+pub const NAMES: [&str; 3] = ["open-lamp", "posts", "grille"];
 
 /// The view of a name; `None` for another than those of [`NAMES`].
 pub fn named(name: &str) -> Option<StudyView> {
     Some(match name {
-        "open lamp" => open(),
+        "open-lamp" => open(),
         "posts" => posts(),
         "grille" => grille(),
         _ => return None,
@@ -63,7 +63,7 @@ fn floor() -> Vec<Corners> {
 /// A lamp that shines alike all around over a floor: all closed forms hold.
 pub fn open() -> StudyView {
     let lamp = (DVec3::new(0.2, 2.2, -0.1), Distribution::Isotropic);
-    view("open lamp", &floor(), lamp, Phase::Isotropic)
+    view("open-lamp", &floor(), lamp, Phase::Isotropic)
 }
 
 /// The same in a hall of eight posts.

@@ -20,7 +20,7 @@ pub const NAMES: [&str; 11] = [
     "mountains",
     "antisolar",
     "hills",
-    "far slit",
+    "far-slit",
     "room",
     "court",
 ];
@@ -36,7 +36,7 @@ pub fn named(name: &str) -> Option<StudyView> {
         "mountains" => mountains(),
         "antisolar" => antisolar(),
         "hills" => hills(),
-        "far slit" => far_slit(),
+        "far-slit" => far_slit(),
         "room" => room(),
         "court" => court(),
         _ => return None,
@@ -575,7 +575,7 @@ pub fn far_slit() -> StudyView {
         Phase::Isotropic,
     )];
     StudyView {
-        name: "far slit",
+        name: "far-slit",
         scene,
         // From above, along the slit: each column of pixels is one place across it.
         camera: Camera::look_at(

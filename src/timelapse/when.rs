@@ -133,7 +133,9 @@ impl FromStr for Every {
         if let Some(days) = days('d', 1).or(days('w', 7)) {
             return Ok(Every::Days(days));
         }
-        match duration(text) {
+        // Days go by the clock: they are no part of a time.
+        let time = whole_milliseconds(text).filter(|_| !text.contains('d'));
+        match time {
             Some(time) if time > TimeDelta::zero() => Ok(Every::Time(time)),
             Some(_) => Err(problem("no time passes")),
             None => Err(problem("it is no time that passes")),
@@ -442,15 +444,18 @@ impl When {
 
     /// An instant by the clock of the place, with its offset.
     pub fn local_text(&self, utc: DateTime<Utc>) -> String {
-        let local = self.clock.local(utc);
-        let offset = civil::offset_text(local.offset().local_minus_utc());
-        format!("{}{offset}", local.format("%Y-%m-%dT%H:%M:%S%.f"))
+        civil::exact_local_text(self.clock.local(utc))
     }
 }
 
 /// An instant as UTC (RFC 3339).
 pub fn utc_text(utc: DateTime<Utc>) -> String {
     utc.format("%Y-%m-%dT%H:%M:%S%.fZ").to_string()
+}
+
+/// A time that passes, for frames: plans and keys hold milliseconds.
+fn whole_milliseconds(text: &str) -> Option<TimeDelta> {
+    duration(text).filter(|time| time.subsec_nanos() % 1_000_000 == 0)
 }
 
 fn too_many(count: u64) -> Error {
@@ -621,8 +626,8 @@ fn event(flag: &str, text: &str) -> Result<OfDay> {
     let offset = match offset.trim() {
         "" => Some(TimeDelta::zero()),
         offset => match offset.split_at(1) {
-            ("+", time) => duration(time),
-            ("-", time) => duration(time).map(|time| -time),
+            ("+", time) => whole_milliseconds(time),
+            ("-", time) => whole_milliseconds(time).map(|time| -time),
             _ => None,
         },
     };
@@ -655,7 +660,7 @@ mod tests {
         assert_eq!("1d".parse::<Every>().ok(), Some(Every::Days(1)));
         assert_eq!("2w".parse::<Every>().ok(), Some(Every::Days(14)));
         for bad in [
-            "", "30", "s", "-5s", "0s", "0d", "1.5d", "1d12h", "1x", "1e3s", "0.1ms", "1..5s",
+            "", "30", "s", "-5s", "0s", "0d", "1.5d", "1d12h", "1x", "1e3", "0.1ms", "1..5s",
         ] {
             assert!(bad.parse::<Every>().is_err_and(|e| e.is_input()), "{bad}");
         }

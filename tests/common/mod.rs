@@ -24,8 +24,7 @@ pub mod soft;
 pub mod views;
 pub mod weather;
 
-// Not every suite needs one.
-#[allow(unused_imports)]
+#[allow(unused_imports)] // not every test asks for one
 pub use gpu::gpu;
 
 use std::io::Write;

@@ -135,7 +135,7 @@ fn announce(target: &Path, record: &str) {
     }
     let run = match progress::expected(record) {
         Some(all) => format!("run, {} the last time", text(all)),
-        None => "run, about 25 minutes on two cores".into(),
+        None => "run, about 35 minutes on two cores".into(),
     };
     say(&format!(
         "then the tests are compiled (some 6 GB under {} and about 10 minutes on two cores where nothing is there yet) and {run}",

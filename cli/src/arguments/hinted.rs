@@ -75,3 +75,28 @@ pub fn zones() -> impl Iterator<Item = &'static str> {
     };
     civil::zone_names().filter(of_area).chain(["UTC"])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use tyndall::sky::{DEFAULT_TURBIDITY, Model, Sky, SunAt};
+
+    /// Their flags take any text, and read it later.
+    #[test]
+    fn skies_and_zones_are_what_there_is() {
+        let is_sky = |name: &str| {
+            let model = Model::named(name, DEFAULT_TURBIDITY, None, 0.2);
+            let at = SunAt::unrefracted(DVec3::new(0.0, 0.6, -0.8));
+            model.and_then(|model| Sky::new(model, at)).is_ok()
+        };
+        for name in SKIES {
+            assert!(is_sky(name), "{name}");
+        }
+        assert!(!is_sky("cie:17") && !is_sky("perez2"));
+        assert!(zones().count() > 300);
+        for name in zones().filter(|name| *name != "UTC") {
+            assert!(civil::Zone::named(name).is_ok(), "{name}");
+        }
+    }
+}

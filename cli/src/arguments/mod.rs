@@ -9,3 +9,4 @@ pub mod picture;
 pub mod place_time;
 pub mod scene;
 pub mod size;
+pub mod steps;

@@ -55,11 +55,18 @@ impl PictureArgs {
         }
     }
 
-    /// Refuses numbers for files that hold none: PNGs are as a screen shows them.
+    /// Refuses layers and numbers for files that hold none: PNGs are as a screen shows them.
     ///
     /// # Errors
-    /// [`Error::Input`] where no file of these formats has numbers that the flags say anything of.
+    /// [`Error::Input`] where no file of these formats has the layers or the numbers that the flags say anything of.
     pub fn check(&self, formats: &[Format]) -> Result<()> {
+        if !self.layers.is_empty() && !formats.contains(&Format::Exr) {
+            return Err(Error::input(
+                "--layers",
+                "no -o has a format that has layers",
+                "add -o with a name in .exr, or leave it out",
+            ));
+        }
         let written = formats.iter().any(|format| !format.is_for_screens());
         match self.numbers.numbers(false) == Numbers::default() || written {
             true => Ok(()),

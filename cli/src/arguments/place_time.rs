@@ -111,21 +111,17 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `90`, `90s`, `10m` or `10min`, `1h` or `1d`.
+/// Seconds, or numbers with units: `90`, `90s`, `10 min`, `1h30m`, `1d12h`.
 pub fn step(text: &str) -> Result<TimeDelta, String> {
-    let text = text.trim();
-    let number = |text: &str| text.trim().parse::<f64>().ok();
-    let seconds = number(text).or_else(|| Some(86_400.0 * number(text.strip_suffix('d')?)?));
-    let step = match seconds {
-        Some(seconds) if (1e-3..=1e9).contains(&seconds) => {
-            Some(TimeDelta::nanoseconds((seconds * 1e9).round() as i64))
-        }
-        Some(_) => None,
-        None => duration(text),
+    let step = match text.trim().parse::<f64>() {
+        Ok(seconds) if (0.0..=1e9).contains(&seconds) => duration(&format!("{seconds}s")),
+        Ok(_) => None,
+        Err(_) => duration(text),
     };
     step.filter(|step| (1..=1_000_000_000_000).contains(&step.num_milliseconds()))
         .ok_or_else(|| {
-            "write a time with s, min, h or d, as in 10min or 1h30m, a millisecond to 1e9 seconds"
+            "write seconds, or numbers with ms, s, m or min, h, or d (24 h), as in 10min, 1h30m or 0.5s, of a millisecond to 1e9 seconds \
+             in all"
                 .into()
         })
 }
@@ -247,10 +243,25 @@ mod tests {
             ("10m", 600_000),
             ("1h30m", 5_400_000),
             ("1.5 d", 129_600_000),
+            ("1d12h", 129_600_000),
+            ("10 min", 600_000),
+            ("1 h 30 min", 5_400_000),
+            ("1e3s", 1_000_000),
+            ("1e3", 1_000_000),
+            ("2.5E-1 s", 250),
+            ("123456789.123s", 123_456_789_123),
+            ("123456789.123", 123_456_789_123),
         ] {
             assert_eq!(of(text), Ok(ms), "{text}");
+            let exact = step(text).expect("it is a step");
+            assert_eq!(exact, TimeDelta::milliseconds(ms), "{text}");
         }
-        for bad in ["", "0", "-1h", "1x", "h", "0.0001s", "1e10"] {
+        for text in ["0.0333", "0.0333s", "33.3 ms"] {
+            assert_eq!(step(text), Ok(TimeDelta::nanoseconds(33_300_000)), "{text}");
+        }
+        for bad in [
+            "", "0", "-1h", "1x", "h", "0.0001s", "1e10", "-5", "1e", "1 2s", "NaN", "1h30",
+        ] {
             assert!(of(bad).is_err(), "{bad}");
         }
     }

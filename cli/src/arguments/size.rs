@@ -7,7 +7,26 @@ pub struct SizeFlag {
     height: Option<u32>,
 }
 
+impl std::fmt::Display for SizeFlag {
+    /// As it was written: what follows from the other side is left out.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.width, self.height) {
+            (Some(width), Some(height)) => write!(f, "{width}x{height}"),
+            (None, Some(height)) => write!(f, "x{height}"),
+            (width, None) => write!(f, "{}", width.unwrap_or_default()),
+        }
+    }
+}
+
 impl SizeFlag {
+    /// Another size in the words of this one.
+    pub fn written(self, [width, height]: [u32; 2]) -> SizeFlag {
+        SizeFlag {
+            width: self.width.map(|_| width),
+            height: self.height.map(|_| height),
+        }
+    }
+
     /// Both sides, in the shape of another size where one is not given.
     pub fn in_shape_of(self, [width, height]: [u32; 2]) -> [u32; 2] {
         let scaled = |side: u32, from: u32, to: u32| {
@@ -53,6 +72,10 @@ mod tests {
         }
         assert_eq!(of("x400"), Ok([640, 400]));
         assert_eq!(of("1"), Ok([1, 1]));
+        for (text, other) in [("101x", "64"), ("x7", "x32"), ("9 x 9", "64x32")] {
+            let written = size(text).map(|size| size.written([64, 32]).to_string());
+            assert_eq!(written.as_deref(), Ok(other), "{text}");
+        }
         for bad in ["", "x", "-3x4", "3x4x5", "1.5x2", "wide"] {
             assert!(size(bad).is_err(), "{bad}");
         }

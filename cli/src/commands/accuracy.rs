@@ -1,12 +1,11 @@
 //! `tyndall accuracy`: what accuracy costs.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
+use tyndall::Result;
 use tyndall::studies::{ephemeris, sky};
-use tyndall::{Error, Result};
 
 use crate::arguments::form::FormArgs;
-use crate::arguments::hinted::{hinted, text};
 use crate::commands::study::StudyArgs;
 use crate::commands::{accuracy_lamps, accuracy_radiosity, accuracy_shafts};
 use crate::tables::columns::{Columns, columns, print};
@@ -17,8 +16,14 @@ use crate::tell;
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
     /// What to measure: ephemeris, sky, shafts, lamps or radiosity
-    #[arg(long, value_name = "EFFECT", default_value = "ephemeris", value_parser = hinted(text, EFFECTS), hide_possible_values = true)]
-    effect: String,
+    #[arg(
+        long,
+        value_enum,
+        value_name = "EFFECT",
+        default_value = "ephemeris",
+        hide_possible_values = true
+    )]
+    effect: Measured,
     #[command(flatten)]
     study: StudyArgs,
     #[command(flatten)]
@@ -30,13 +35,20 @@ pub struct AccuracyArgs {
 }
 
 /// What can be measured.
-const EFFECTS: [&str; 5] = ["ephemeris", "sky", "shafts", "lamps", "radiosity"];
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Measured {
+    Ephemeris,
+    Sky,
+    Shafts,
+    Lamps,
+    Radiosity,
+}
 
 /// Runs `tyndall accuracy`.
 pub fn run(args: &AccuracyArgs) -> Result<()> {
     let quiet = "other work on this machine lowers the rates, not the errors";
-    match args.effect.as_str() {
-        "ephemeris" => {
+    match args.effect {
+        Measured::Ephemeris => {
             tell::line(
                 "study",
                 format!("four tiers of the sun's position, for about 6 s; {quiet}"),
@@ -45,7 +57,7 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
             let rows = prices.iter().map(ephemeris_columns).collect();
             print(args.form, rows, |out| ephemeris_table(out, &prices))
         }
-        "sky" => {
+        Measured::Sky => {
             tell::line(
                 "study",
                 format!("patches, maps and bands of the sky, for about 8 s; {quiet}"),
@@ -54,14 +66,9 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
             let rows = prices.iter().map(sky_columns).collect();
             print(args.form, rows, |out| sky_table(out, &prices))
         }
-        "shafts" => accuracy_shafts::run(&args.study, &args.shafts, args.form),
-        "lamps" => accuracy_lamps::run(&args.study, args.form),
-        "radiosity" => accuracy_radiosity::run(&args.study, &args.radiosity, args.form),
-        other => Err(Error::input(
-            "--effect",
-            format!("`{other}` is not known"),
-            "write ephemeris, sky, shafts, lamps or radiosity",
-        )),
+        Measured::Shafts => accuracy_shafts::run(&args.study, &args.shafts, args.form),
+        Measured::Lamps => accuracy_lamps::run(&args.study, args.form),
+        Measured::Radiosity => accuracy_radiosity::run(&args.study, &args.radiosity, args.form),
     }
 }
 

@@ -50,9 +50,10 @@ pub fn run(flags: &StudyArgs, form: FormArgs) -> Result<()> {
             front: pareto::front(&pairs),
             outcomes,
         };
-        flags.save(&study.scene, || plot(&study))?;
+        watch.apart(|| flags.save(&study.scene, || plot(&study)))?;
         studies.push(study);
     }
+    drop(watch);
     let rows = studies.iter().flat_map(rows);
     print(form, rows.collect(), |out| {
         table(out, &studies, flags.frames)

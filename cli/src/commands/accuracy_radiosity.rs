@@ -72,9 +72,10 @@ pub fn run(flags: &StudyArgs, own: &RadiosityArgs, form: FormArgs) -> Result<()>
             front: pareto::front(&pairs),
             outcomes,
         };
-        flags.save(&study.scene, || plot(&study, &described))?;
+        watch.apart(|| flags.save(&study.scene, || plot(&study, &described)))?;
         studies.push(study);
     }
+    drop(watch);
     let rows = studies.iter().flat_map(|study| rows(study, &described));
     print(form, rows.collect(), |out| {
         table(out, &studies, &described, flags.frames)

@@ -103,12 +103,16 @@ pub fn run(flags: &StudyArgs, own: &ShaftsArgs, form: FormArgs) -> Result<()> {
             truth,
             outcomes,
         };
-        flags.save(&study.scene, || plot(&study, &adapter))?;
-        if let Some(folder) = &own.pictures {
-            pictures(&study, folder)?;
-        }
+        watch.apart(|| {
+            flags.save(&study.scene, || plot(&study, &adapter))?;
+            match &own.pictures {
+                Some(folder) => pictures(&study, folder),
+                None => Ok(()),
+            }
+        })?;
         studies.push(study);
     }
+    drop(watch);
     let rows = studies
         .iter()
         .flat_map(|study| rows(study, &adapter))

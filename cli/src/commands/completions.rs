@@ -37,7 +37,49 @@ pub fn run(args: &CompletionsArgs, mut command: Command) -> tyndall::Result<()> 
     let name = command.get_name().to_owned();
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut command, name, &mut script);
-    stdout::print(script)
+    match args.shell {
+        Shell::Bash => stdout::print(with_colons(&String::from_utf8_lossy(&script))),
+        _ => stdout::print(script),
+    }
+}
+
+/// Bash takes words apart at colons, as in `cie:12`: they are put together for the function that clap makes, and only what stands
+/// behind the last colon is given back.
+const WHOLE_WORDS: &str = r#"
+_tyndall_whole_words() {
+    local line=$COMP_LINE words=() last=-1 current=0 i word rest
+    for i in "${!COMP_WORDS[@]}"; do
+        word=${COMP_WORDS[i]}
+        rest=${line#"${line%%[![:space:]]*}"}
+        if [[ $last -ge 0 && $rest == "$line" && ( $word == :* || ${words[last]} == *: ) ]]; then
+            words[last]+=$word
+        else
+            last=$((last + 1))
+            words[last]=$word
+        fi
+        line=${rest#"$word"}
+        if [[ $i -eq $COMP_CWORD ]]; then
+            current=$last
+        fi
+    done
+    local COMP_WORDS=("${words[@]}") COMP_CWORD=$current
+    word=${words[current]}
+    _tyndall "$1" "$word" "${words[current - 1]}"
+    if [[ $word == *:* && $COMP_WORDBREAKS == *:* ]]; then
+        word=${word%"${word##*:}"}
+        COMPREPLY=("${COMPREPLY[@]#"$word"}")
+    fi
+}
+
+"#;
+
+/// The script for Bash with [`WHOLE_WORDS`] in between.
+fn with_colons(script: &str) -> String {
+    let script = script.replace("complete -F _tyndall ", "complete -F _tyndall_whole_words ");
+    match script.rfind("\nif [[ ") {
+        Some(end) => format!("{}{WHOLE_WORDS}{}", &script[..end], &script[end + 1..]),
+        None => format!("{WHOLE_WORDS}{script}"),
+    }
 }
 
 /// Print the manual page, or write all pages to a folder

@@ -9,8 +9,9 @@ use crate::tables::{stdout, work};
 use crate::targets::{FormatArgs, Targets};
 use crate::tell;
 use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tyndall::Result;
 use tyndall::backend::Rendered;
@@ -50,7 +51,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     picture: PictureArgs,
     /// Write what was done to a JSON file
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", value_parser = PathBufValueParser::new().try_map(report_file))]
     report: Option<PathBuf>,
     /// Print what was done as JSON
     #[arg(long)]
@@ -80,6 +81,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         ));
     }
     let conditions = args.view.conditions()?;
+    output::picture::check_size(&targets.formats(), conditions.view.size)?;
     let layers = args.picture.layers(&conditions, &args.plan.overrules())?;
     let mut in_use = args.view.scene.files(&conditions.scene);
     for file in files {
@@ -132,12 +134,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         (Format::Png | Format::Jpeg, Some(scale)) => {
             let scale = scale.clone().named("luminance", "cd/m2");
             let shown = output::false_colour::picture(&rendered.frame, &scale);
-            let [width, height] = [shown.width(), shown.height()].map(|side| side as u32);
-            let write = match format {
-                Format::Png => output::png::write_with,
-                _ => output::jpeg::write,
-            };
-            write(path, width, height, &shown.bytes(), &[])
+            let size = [shown.width(), shown.height()].map(|side| side as u32);
+            output::picture::write_shown(path, format, size, &shown.bytes(), &[])
         }
         _ => output::picture::write(path, format, &rendered.frame, &space, &layers, ev100),
     })?;
@@ -231,6 +229,14 @@ fn report(
         "layers": layers,
         "files": files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
     })
+}
+
+/// A report's file: what standard output has is asked for otherwise.
+fn report_file(path: PathBuf) -> Result<PathBuf, &'static str> {
+    match path == Path::new("-") {
+        true => Err("a file is named here; --json prints the same on standard output"),
+        false => Ok(path),
+    }
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -9,6 +9,7 @@ use crate::arguments::picture::{
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs, step};
 use crate::arguments::scene::pair;
 use crate::arguments::size::{SizeFlag, size};
+use crate::arguments::steps::Steps;
 use crate::machine;
 use crate::tables::columns::{self, Columns};
 use crate::tables::printer::{As, Form};
@@ -22,6 +23,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 use tyndall::backend::Backend;
 use tyndall::colour::{self, Space, exposure, luminance, xyz_from_working};
 use tyndall::ephemeris::civil::{self, Moment, Zone};
@@ -30,7 +32,9 @@ use tyndall::frame::Frame;
 use tyndall::output::{self, Format, HALF_MOST, Numbers, OutputSpace, Units};
 use tyndall::sky::map::{Map, Projection};
 use tyndall::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, SunPath};
+use tyndall::task::Step;
 use tyndall::units::DEG;
+use tyndall::warning::Warning;
 use tyndall::{Error, Result};
 
 /// The sky alone: environment maps, or its values
@@ -57,7 +61,7 @@ pub struct SkyArgs {
     /// The end of a range that begins at --time: a row of values for each step; it is not in the table itself
     #[arg(long, value_name = "T", allow_hyphen_values = true, requires = "time", conflicts_with_all = ["output", "sun", "batch"])]
     until: Option<String>,
-    /// The step of a range: a number of seconds, or with s, min, h, d, as in 30min [default: 1h]
+    /// The step of a range: a number of seconds, or with s, min, h or d (24 h), as in 30min [default: 1h]
     #[arg(long, value_name = "STEP", value_parser = step, requires = "until")]
     step: Option<TimeDelta>,
     /// The azimuth that the map's middle faces (0 is north; then east is to its right)
@@ -139,6 +143,12 @@ struct Subject {
 
 /// Runs `tyndall sky`.
 pub fn run(args: &SkyArgs) -> Result<()> {
+    let prints = match (args.form.json, args.form.csv) {
+        (true, _) => Some("what --json prints"),
+        (_, true) => Some("what --csv prints"),
+        _ => None,
+    };
+    let targets = Targets::check(&args.output, args.format, prints)?;
     if let Some(path) = &args.batch {
         let form = Form {
             as_what: As::csv_or_json(args.form),
@@ -146,15 +156,11 @@ pub fn run(args: &SkyArgs) -> Result<()> {
         };
         return sky_batch::run(path, form);
     }
-    let prints = match (args.form.json, args.form.csv) {
-        (true, _) => Some("what --json prints"),
-        (_, true) => Some("what --csv prints"),
-        _ => None,
-    };
     if let Some(until) = &args.until {
         return range(args, until);
     }
-    let targets = Targets::check(&args.output, args.format, prints)?;
+    let map = map(args)?;
+    output::picture::check_size(&targets.formats(), [map.width, map.height])?;
     let moment = match &args.place.at {
         Some(site) => {
             let text = args.time.time.as_deref().unwrap_or("now");
@@ -191,7 +197,7 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     if args.output.is_empty() {
         return Ok(());
     }
-    let frame = paint(args, &subject)?;
+    let frame = paint(args, &map, &subject)?;
     let ev100 = || match args.exposure {
         Exposure::Ev100(ev) => ev,
         Exposure::Auto => {
@@ -261,8 +267,11 @@ fn short(value: f64) -> String {
     }
 }
 
+/// How often it is said how far they are.
+const ROWS_AT_ONCE: u64 = 64;
+
 /// No more rows than these of a range: they are made before the first is printed.
-const MOST_ROWS: i64 = 100_000;
+const MOST_ROWS: u64 = 100_000;
 
 /// Prints a row of values for each step of a range of times.
 fn range(args: &SkyArgs, until: &str) -> Result<()> {
@@ -295,8 +304,8 @@ fn range(args: &SkyArgs, until: &str) -> Result<()> {
         ));
     }
     let step = args.step.unwrap_or(TimeDelta::hours(1));
-    let milliseconds = |span: TimeDelta| span.num_milliseconds();
-    let count = 1 + (milliseconds(end - start) - 1) / milliseconds(step);
+    let steps = Steps::new(start, end, step);
+    let count = steps.count;
     if count > MOST_ROWS {
         return Err(Error::domain(
             "the number of rows",
@@ -305,16 +314,33 @@ fn range(args: &SkyArgs, until: &str) -> Result<()> {
             "give a larger --step, or a part of the range",
         ));
     }
-    let row = |i: i64| {
-        let utc = start + TimeDelta::milliseconds(i * milliseconds(step));
-        let local = clock.local(utc).to_rfc3339();
-        let moment = args.time.moment(&local, Some(site))?;
-        let mut row = facts(args, &subject(args, Some(&moment))?);
-        // It was not written in this one.
-        row.insert("offset_from".into(), json!(clock.source()));
-        Ok(row)
+    let bar = tell::bar();
+    let done = AtomicU64::new(0);
+    let row = |i: u64| {
+        let moment = Moment::at(steps.at(i), &clock, &args.time.reading(Some(site)))?;
+        let subject = subject(args, Some(&moment))?;
+        let mut row = facts(args, &subject);
+        let warnings = subject.sky.warnings();
+        if args.form.json {
+            row.insert("warnings".into(), json!(warnings));
+        }
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        if done.is_multiple_of(ROWS_AT_ONCE) {
+            let share = done as f64 / count as f64;
+            bar.step(Step {
+                stage: "skies",
+                share,
+            });
+        }
+        let local = civil::local_text(moment.local());
+        let warnings = warnings.iter().cloned().map(|w| (local.clone(), w));
+        Ok((row, warnings.collect()))
     };
-    let rows: Vec<Columns> = (0..count).into_par_iter().map(row).collect::<Result<_>>()?;
+    let rows: Vec<(Columns, Vec<(String, Warning)>)> =
+        (0..count).into_par_iter().map(row).collect::<Result<_>>()?;
+    drop(bar);
+    let (rows, warnings): (Vec<Columns>, Vec<_>) = rows.into_iter().unzip();
+    tell::warnings_since(warnings.into_iter().flatten());
     if args.form.json || args.form.csv {
         return columns::print(args.form, rows, |_| Ok(()));
     }
@@ -342,14 +368,22 @@ fn table(out: &mut Out, rows: &[Columns]) -> Result<()> {
         .iter()
         .map(|(_, title)| format!("{title:>14}"))
         .collect();
-    out.line(&format!("{:<26}{titles}", "time"))?;
+    let time = |row: &Columns| {
+        row.get("time")
+            .and_then(Value::as_str)
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let longest = rows.iter().map(|row| time(row).len()).max();
+    let width = longest.unwrap_or(0).max(25) + 1;
+    out.line(&format!("{:<width$}{titles}", "time"))?;
     for row in rows {
-        let time = row.get("time").and_then(Value::as_str).unwrap_or_default();
+        let time = time(row);
         let cells = SHOWN.iter().map(|(name, _)| {
             let number = row.get(*name).and_then(Value::as_f64);
             format!("{:>14}", number.map_or("\u{2014}".into(), short))
         });
-        out.line(&format!("{time:<26}{}", cells.collect::<String>()))?;
+        out.line(&format!("{time:<width$}{}", cells.collect::<String>()))?;
     }
     Ok(())
 }
@@ -425,7 +459,7 @@ fn subject(args: &SkyArgs, moment: Option<&Moment>) -> Result<Subject> {
                 ..SunPath::standard(sun.elevation_apparent, model.turbidity())
             };
             let facts = vec![
-                ("time", json!(moment.local().to_rfc3339())),
+                ("time", json!(civil::exact_local_text(moment.local()))),
                 ("utc", json!(utc_text(moment.utc))),
                 ("offset_from", json!(moment.offset_source.to_string())),
                 ("latitude", json!(site.latitude_deg())),
@@ -506,19 +540,34 @@ fn ground(args: &SkyArgs, subject: &Subject) -> DVec3 {
     light * (args.albedo / std::f64::consts::PI)
 }
 
-fn paint(args: &SkyArgs, subject: &Subject) -> Result<Frame> {
-    let (projection, size) = match args.projection {
+/// The map that the flags ask for.
+fn map(args: &SkyArgs) -> Result<Map> {
+    let (projection, usual) = match args.projection {
         MapShape::Equirectangular => (Projection::Equirectangular, [2048, 1024]),
         MapShape::Fisheye => (Projection::Fisheye, [1024, 1024]),
         MapShape::Cube => (Projection::Cube, [3072, 512]),
     };
-    let [width, height] = args.size.map_or(size, |own| own.in_shape_of(size));
-    let map = Map::new(projection, width, height)?;
+    let Some(flag) = args.size else {
+        return Map::new(projection, usual[0], usual[1]);
+    };
+    let [width, height] = flag.in_shape_of(usual);
+    Map::new(projection, width, height).map_err(|error| {
+        let nearest = flag.written(projection.nearest(flag.in_shape_of(usual)));
+        Error::input(
+            format!("--size {flag}"),
+            error.problem(),
+            format!("the nearest that works is --size {nearest}"),
+        )
+    })
+}
+
+fn paint(args: &SkyArgs, map: &Map, subject: &Subject) -> Result<Frame> {
+    let (width, height) = (map.width, map.height);
     let ground = ground(args, subject);
     let mut backend = machine::open(args.backend.wanted())?;
     let mut rgb = match &mut backend {
         Backend::Gpu(gpu) => {
-            let painted = gpu.paint(&map, &subject.sky, ground)?;
+            let painted = gpu.paint(map, &subject.sky, ground)?;
             if let Some(time) = painted.time {
                 let milliseconds = 1e3 * time.as_secs_f64();
                 tell::line("painted", format!("in {milliseconds:.2} ms on the device"));

@@ -62,6 +62,8 @@ impl StudyArgs {
                     let conditions = self.view.conditions()?;
                     return Ok((conditions.scene.name.clone(), conditions));
                 }
+                // Names that somebody has in a script have spaces.
+                let name = name.trim().replace(' ', "-");
                 let view = scenes::named(&name).or_else(|| lamp_scenes::named(&name));
                 let view = view.ok_or_else(|| {
                     let remedy = match nearest(&name, studies()) {
@@ -141,6 +143,11 @@ pub struct Watch {
 }
 
 impl Watch {
+    /// Does what writes lines, while nothing is drawn over them.
+    pub fn apart<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.bar.apart(work)
+    }
+
     /// The next of its runs begins: a truth, or a setting.
     pub fn next(&mut self, scene: &str, what: &str) {
         let share = self.done as f64 / self.runs as f64;

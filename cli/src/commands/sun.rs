@@ -16,6 +16,7 @@ use super::sun_events;
 use super::sun_place::Place;
 use crate::arguments::form::FormArgs;
 use crate::arguments::place_time::{self, PlaceArgs, TimeArgs, step};
+use crate::arguments::steps::Steps;
 use crate::plots::sun_path::{self, Marked};
 use crate::tables::printer::{As, Form};
 use crate::tables::rows::Rows;
@@ -54,7 +55,7 @@ pub struct SunArgs {
     /// A row a day: rise, set, noon, twilights, golden and blue hours, the length of the day
     #[arg(long, conflicts_with_all = ["batch", "step"])]
     events: bool,
-    /// The step of a table: a number of seconds, or with s, min, h, d, as in 30min [default: 1h]
+    /// The step of a table: a number of seconds, or with s, min, h or d (24 h), as in 30min [default: 1h]
     #[arg(long, value_name = "STEP", value_parser = step)]
     step: Option<TimeDelta>,
     /// The true elevation of the sun's centre that counts as rise and set, in degrees
@@ -365,7 +366,8 @@ impl Context<'_> {
         if self.args.form.csv {
             return self.range(start, end);
         }
-        let rows = self.rows(start, end, step, 0..count(start, end, step))?;
+        let steps = Steps::new(start, end, step);
+        let rows = self.rows(end, steps, 0..steps.count)?;
         let mut out = stdout::lock();
         if self.args.form.json {
             let positions: Vec<Value> = rows
@@ -399,7 +401,8 @@ impl Context<'_> {
     /// A table from one instant up to another.
     fn range(&self, start: DateTime<Utc>, end: DateTime<Utc>) -> Result<()> {
         let step = self.args.step.unwrap_or(TimeDelta::hours(1));
-        let count = count(start, end, step);
+        let steps = Steps::new(start, end, step);
+        let count = steps.count;
         let mut out = stdout::lock();
         if self.args.form.csv {
             let sun = tyndall::ephemeris::sun_position(
@@ -432,7 +435,7 @@ impl Context<'_> {
             let texts: Vec<Result<Vec<u8>>> = waves
                 .par_iter()
                 .map(|&(from, to)| {
-                    let rows = self.rows(start, end, step, from..to)?;
+                    let rows = self.rows(end, steps, from..to)?;
                     if self.args.form.csv {
                         return Ok(self.csv(&rows));
                     }
@@ -473,29 +476,20 @@ impl Context<'_> {
     /// Rows `range` of a table.
     fn rows(
         &self,
-        start: DateTime<Utc>,
         end: DateTime<Utc>,
-        step: TimeDelta,
+        steps: Steps,
         range: std::ops::Range<u64>,
     ) -> Result<Vec<(DateTime<Utc>, SunPosition)>> {
-        let nanos = step.num_nanoseconds().unwrap_or(i64::MAX);
-        // start + i steps, without leaving i64 nanoseconds for a range of centuries.
-        let utc = |i: u64| {
-            let total = i128::from(nanos) * i128::from(i);
-            start
-                + TimeDelta::seconds((total / 1_000_000_000) as i64)
-                + TimeDelta::nanoseconds((total % 1_000_000_000) as i64)
-        };
         let (from, to) = (
-            self.instant_at(utc(range.start))?,
-            self.instant_at(utc(range.end).min(end))?,
+            self.instant_at(steps.at(range.start))?,
+            self.instant_at(steps.at(range.end).min(end))?,
         );
         // An almanac takes a place for each two days: below four positions in these it would not pay.
-        let almanac = (nanos <= 43_200_000_000_000 && range.end - range.start > 24)
+        let almanac = (steps.are_close() && range.end - range.start > 24)
             .then(|| Almanac::new(self.place.tier, &from, &to));
         range
             .map(|i| {
-                let utc = utc(i);
+                let utc = steps.at(i);
                 let instant = self.instant_at(utc)?;
                 let sun = match &almanac {
                     Some(almanac) => {
@@ -555,14 +549,6 @@ impl Context<'_> {
 
 const TABLE_HEAD: &str =
     "time                        azimuth  apparent      true     decl.  eq. of time [min]";
-
-/// The number of rows from `start` up to, not including, `end`.
-fn count(start: DateTime<Utc>, end: DateTime<Utc>, step: TimeDelta) -> u64 {
-    let span = end - start;
-    let nanos = i128::from(span.num_seconds()) * 1_000_000_000 + i128::from(span.subsec_nanos());
-    let step = i128::from(step.num_nanoseconds().unwrap_or(i64::MAX));
-    ((nanos + step - 1) / step) as u64
-}
 
 fn sun_json(sun: &SunPosition) -> Value {
     Value::Object(

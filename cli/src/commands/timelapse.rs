@@ -97,7 +97,8 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let outputs: Vec<Template> = outputs.collect::<Result<_>>()?;
     Outputs::new(outputs.clone())?;
     let formats = outputs.iter().map(Template::format);
-    args.picture.check(&formats.collect::<Result<Vec<_>>>()?)?;
+    let formats = formats.collect::<Result<Vec<_>>>()?;
+    args.picture.check(&formats)?;
     if args.plan.within.is_some() {
         return Err(Error::input(
             "--within",
@@ -114,6 +115,7 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let conditions = args.view.conditions_of(scene)?;
     let mut overrules = args.plan.overrules();
     Plan::new(&conditions, &overrules)?;
+    output::picture::check_size(&formats, conditions.view.size)?;
     let layers = args.picture.layers(&conditions, &overrules)?;
     let in_use = args.view.scene.files(&conditions.scene);
     let (first, count) = (args.start_number, when.count());

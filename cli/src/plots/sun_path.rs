@@ -1,9 +1,9 @@
 //! The sun-path diagram: where the sun stands at every hour of the year, as a dome seen from above and as a panorama.
 
 use crate::plots::labels::Room;
-use chrono::{DateTime, Datelike, NaiveDate, TimeDelta, Utc};
+use chrono::{DateTime, NaiveDate, TimeDelta, Utc};
 use tyndall::ephemeris::civil::{Zone, offset_text};
-use tyndall::ephemeris::{Almanac, Instant, Site, SunPosition, Tier, Weather};
+use tyndall::ephemeris::{Almanac, Instant, Site, SunPosition, Tier, Weather, sun_position};
 use tyndall::output::canvas::Color;
 use tyndall::output::drawing::Drawing;
 use tyndall::output::lettering::{Anchor, text_width};
@@ -137,7 +137,7 @@ pub fn draw(
             Some([7.0, 5.0]),
         );
         let mut dates = marked.dates.map_or(Vec::new(), of_range);
-        dates.retain(|date| date.year() == year.number);
+        dates.retain(|date| year.reaches(*date));
         for date in &dates {
             let path = year.path(*date);
             plot(&mut drawing, &path, project, wraps, 1.2, MARKED, None);
@@ -159,6 +159,9 @@ struct Year<'a> {
     site: &'a Site,
     weather: Weather,
     almanac: Almanac,
+    /// The first and the last instant that the almanac holds.
+    held: [DateTime<Utc>; 2],
+    tier: Tier,
     number: i32,
     /// Standard time minus universal time [s].
     offset: i32,
@@ -197,6 +200,8 @@ impl<'a> Year<'a> {
             site,
             weather: Weather::standard(site),
             almanac: Almanac::new(tier, &instant(start)?, &instant(end)?),
+            held: [start, end],
+            tier,
             number,
             offset,
             delta_t,
@@ -223,14 +228,33 @@ impl<'a> Year<'a> {
     }
 
     fn at(&self, utc: DateTime<Utc>) -> SunPosition {
-        let instant = match self.delta_t {
+        #[expect(
+            clippy::expect_used,
+            reason = "the year was checked when it was made, and other dates when they were marked"
+        )]
+        let instant = self.instant(utc).expect("a day of a valid year");
+        let (site, weather) = (self.site, &self.weather);
+        // A range may go on into other years.
+        match (self.held[0]..=self.held[1]).contains(&utc) {
+            true => self.almanac.sun_position(&instant, site, weather),
+            false => sun_position(self.tier, &instant, site, weather),
+        }
+    }
+
+    fn instant(&self, utc: DateTime<Utc>) -> Result<Instant> {
+        match self.delta_t {
             Some(delta_t) => Instant::from_utc_with(utc, delta_t),
             None => Instant::from_utc(utc),
-        };
-        #[expect(clippy::expect_used, reason = "the year was checked when it was made")]
-        let instant = instant.expect("a day of a valid year");
-        self.almanac
-            .sun_position(&instant, self.site, &self.weather)
+        }
+    }
+
+    /// Whether the ephemeris reaches a date and those beside it.
+    fn reaches(&self, date: NaiveDate) -> bool {
+        let midnight = date.and_time(chrono::NaiveTime::MIN).and_utc();
+        let beside = [-2, 2].map(|days| midnight.checked_add_signed(TimeDelta::days(days)));
+        beside
+            .into_iter()
+            .all(|utc| utc.is_some_and(|utc| self.instant(utc).is_ok()))
     }
 
     fn sky(&self, date: NaiveDate, seconds: i64) -> Sky {

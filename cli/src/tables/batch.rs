@@ -189,11 +189,11 @@ impl Batch {
             let near = nearest(&name.to_ascii_lowercase(), self.known.iter().copied());
             let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
             let note = format!(
-                "note: {}: the column `{name}` is not read, only passed on; {near}known are {}",
+                "{}: the column `{name}` is not read, only passed on; {near}known are {}",
                 String::from(place),
                 quoted(self.known)
             );
-            eprintln!("{}", tell::clean(&note));
+            tell::line("note", note);
         }
         Ok(Header { names, at })
     }

@@ -127,7 +127,7 @@ impl Printer {
         }
         self.out.finish()?;
         if self.tally.rows == 0 {
-            eprintln!("note: {} has no rows", tell::clean(name));
+            tell::line("note", format!("{name} has no rows"));
         }
         let Tally { rows, broken } = self.tally;
         if broken > 0 {

@@ -1,0 +1,64 @@
+//! The instants of a table: a start, and one after each step up to an end.
+
+use chrono::{DateTime, TimeDelta, Utc};
+
+/// Instants from `start` on, `step` apart, before an end.
+#[derive(Debug, Clone, Copy)]
+pub struct Steps {
+    start: DateTime<Utc>,
+    /// [ns], above zero.
+    step: i128,
+    /// How many there are.
+    pub count: u64,
+}
+
+impl Steps {
+    /// Those from `start` up to, not including, `end`, which is later.
+    pub fn new(start: DateTime<Utc>, end: DateTime<Utc>, step: TimeDelta) -> Self {
+        let step = nanoseconds(step).max(1);
+        let count = (nanoseconds(end - start) + step - 1) / step;
+        Steps {
+            start,
+            step,
+            count: u64::try_from(count).unwrap_or(0),
+        }
+    }
+
+    /// Whether some of them are within half a day of each other.
+    pub fn are_close(&self) -> bool {
+        self.step <= nanoseconds(TimeDelta::hours(12))
+    }
+
+    /// One of them, counted from zero; also those that would follow the last. Nanoseconds of centuries do not fit into 64 bits.
+    pub fn at(&self, number: u64) -> DateTime<Utc> {
+        let total = self.step * i128::from(number);
+        self.start
+            + TimeDelta::seconds((total / 1_000_000_000) as i64)
+            + TimeDelta::nanoseconds((total % 1_000_000_000) as i64)
+    }
+}
+
+fn nanoseconds(span: TimeDelta) -> i128 {
+    i128::from(span.num_seconds()) * 1_000_000_000 + i128::from(span.subsec_nanos())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_is_not_among_them_and_nothing_is_rounded() {
+        let start = DateTime::<Utc>::UNIX_EPOCH;
+        let of = |end, step| Steps::new(start, start + TimeDelta::seconds(end), step);
+        assert_eq!(of(60, TimeDelta::seconds(20)).count, 3);
+        assert_eq!(of(61, TimeDelta::seconds(20)).count, 4);
+        // 33.3 ms: a thousand of them are 33.3 s, not 33.
+        let fine = of(60, TimeDelta::microseconds(33_300));
+        assert_eq!(fine.count, 1802);
+        assert_eq!(fine.at(1000) - start, TimeDelta::milliseconds(33_300));
+        let centuries = of(100_000_000_000, TimeDelta::nanoseconds(86_400_000_000_001));
+        let last = centuries.at(1_000_000) - start;
+        assert_eq!(last.num_seconds(), 86_400_000_000);
+        assert_eq!(last.subsec_nanos(), 1_000_000);
+    }
+}
