@@ -446,8 +446,12 @@ fn openings_have_the_hours_of_sun_that_their_hour_angles_give() {
         }
         text
     };
-    let obj = part("wall", &walls, 0) + &part("glass", &glass, walls.len());
-    scene.write("mesh.obj", &obj);
+    let parts = part("wall", &walls, 0) + &part("glass", &glass, walls.len());
+    scene.write("mesh.obj", &format!("mtllib mesh.mtl\n{parts}"));
+    scene.write(
+        "mesh.mtl",
+        "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 1 1 1\n",
+    );
     scene.write(
         "scene.toml",
         "mesh = \"mesh.obj\"\n[[pane]]\nmaterial = \"glass\"\n",
