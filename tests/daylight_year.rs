@@ -572,7 +572,7 @@ fn a_year_is_that_of_radiance() {
         (Some(each), Some(data)) => {
             let path = data.join("epw/chicago_ohare_tmy3.epw");
             let file = WeatherFile::read(&path).expect("it is sound");
-            (file, each, [8, 16_384], [6, 4096], 0.02)
+            (file, each, [8, 16_384], [6, 4096], 0.03)
         }
         _ => (made_up(ULM).read(), 240, [8, 262_144], [6, 65_536], 0.03),
     };
