@@ -4,7 +4,7 @@ mod common;
 
 use chrono::{NaiveDate, NaiveTime};
 use common::annual::{Annual, Sample, input, table_of};
-use common::build::{cuboid, quad};
+use common::build::cuboid;
 use common::receive::{self, QUALITY, at};
 use common::rooms::{Room, WEATHER, room};
 use common::weather::{MadeUp, ULM, line, made_up, told, with, with_columns};
@@ -494,69 +494,6 @@ fn an_hour_is_what_the_moment_gives() {
             }
         }
     }
-}
-
-/// The sun comes through a roof light 0.3 m wide, far narrower than patches of the sky are apart: what surfaces send on of it is what a
-/// moment's light has, which asks each patch for the sun.
-#[test]
-fn sun_through_a_small_opening_is_not_lost() {
-    let (low, high) = (DVec3::ZERO, dvec3(4.0, 3.0, 4.0));
-    let is_ceiling = |corners: &[DVec3; 3]| corners.iter().all(|corner| corner.y == high.y);
-    let mut triangles: Vec<_> = cuboid(low, high).into_iter().collect();
-    triangles.retain(|corners| !is_ceiling(corners));
-    let (a, b) = (1.85, 2.15);
-    for [x, z] in [
-        [[0.0, a], [0.0, 4.0]],
-        [[b, 4.0], [0.0, 4.0]],
-        [[a, b], [0.0, a]],
-        [[a, b], [b, 4.0]],
-    ] {
-        let corner = dvec3(x[0], high.y, z[0]);
-        triangles.extend(quad(
-            corner,
-            DVec3::X * (x[1] - x[0]),
-            DVec3::Z * (z[1] - z[0]),
-        ));
-    }
-    let room = Room {
-        name: "roof light",
-        triangles: triangles.into_iter().map(|t| (t, 0)).collect(),
-        reflectances: vec![DVec3::splat(0.5)],
-        ground: 0.2,
-        points: vec![dvec3(0.7, 1.0, 0.6), dvec3(3.4, 0.85, 3.1)],
-    };
-    let file = made_up(ULM).read();
-    let all = hours(&file).expect("it is sound");
-    let high = all.lit.iter().filter(|hour| {
-        let is_clear = hour.sun.shines() && hour.sun.illuminance_lux() > 3e4;
-        is_clear && hour.sun.toward.y > 0.8
-    });
-    let high: Vec<&Hour> = high.collect();
-    let mut count = 0;
-    for patches in [1, 2, 4] {
-        let fineness = Fineness {
-            patches,
-            ..Fineness::new(Quality::Preview, &[])
-        };
-        let year = of_room(&room, &file, 1, &fineness);
-        for hour in high.iter().step_by(high.len().div_ceil(4)) {
-            let [total, straight] = year.hour(hour);
-            let set = [("radiosity.sky", f64::from(patches))];
-            let now = year.at(hour);
-            let same = receive::received_at(Quality::Preview, &now, Wanted::Reference, &set);
-            let all = receive::y(&same.total());
-            for ((total, straight), all) in total.iter().zip(&straight).zip(&all) {
-                eprintln!(
-                    "{patches} patches, sun at {:.0} degrees: {total:.1} lx, at the moment {all:.1}",
-                    hour.sun.toward.y.asin() / DEG
-                );
-                assert!((total / all - 1.0).abs() < 0.01, "{total} {all}");
-                assert!(*straight == 0.0 && *total > 5.0);
-                count += 1;
-            }
-        }
-    }
-    assert!(count >= 18, "{count}");
 }
 
 /// A room with a window through a year, against the two-phase method with a run of its own for the suns. `TYNDALL_ANNUAL=8` takes
