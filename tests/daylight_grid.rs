@@ -294,6 +294,13 @@ fn surfaces_and_wrong_names() {
         ("room=A,floor=B", "only one"),
         ("plane=1,plane=2", "twice"),
         ("side=back", "of surfaces"),
+        (
+            "opening=all,spacing=0.2,inset=0.5",
+            "`spacing` is not of openings",
+        ),
+        ("inset=0.5,opening=all", "`inset` is not of openings"),
+        ("opening=all,side=back", "`side` is not of openings"),
+        ("opening=all,level=0", "`level` is not of openings"),
         ("room", "no key with a value"),
     ] {
         let error = GridSpec::parse(bad).expect_err(bad);

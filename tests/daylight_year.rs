@@ -3,7 +3,7 @@
 mod common;
 
 use chrono::{NaiveDate, NaiveTime};
-use common::annual::{Annual, Sample, table_of};
+use common::annual::{Annual, Sample, input, table_of};
 use common::build::cuboid;
 use common::receive::{self, QUALITY, at};
 use common::rooms::{Room, WEATHER, room};
@@ -509,7 +509,7 @@ fn a_year_is_that_of_radiance() {
         (Some(each), Some(data)) => {
             let path = data.join("epw/chicago_ohare_tmy3.epw");
             let file = WeatherFile::read(&path).expect("it is sound");
-            (file, each, [8, 16_384], [6, 4096], 0.02)
+            (file, each, [8, 16_384], [6, 4096], 0.03)
         }
         _ => (made_up(ULM).read(), 240, [8, 262_144], [6, 65_536], 0.03),
     };
@@ -589,6 +589,12 @@ fn a_year_is_that_of_radiance() {
     } else {
         Annual::stored()
     };
+    let now = input(&task);
+    assert!(
+        (truth.input / now - 1.0).abs() < 1e-8,
+        "the truth is that of {:.9e}, the room is {now:.9e}: TYNDALL_TRUTHS=year makes it anew",
+        truth.input
+    );
     let same = |((own, _), middle): (&(DVec3, _), &DVec3)| own.distance(*middle) < 1e-5;
     assert!(truth.sky.len() == middles.len() && truth.sky.iter().zip(&middles).all(same));
     let (theirs, their_sun): (Vec<_>, Vec<_>) = (lit.iter())
@@ -611,14 +617,20 @@ fn a_year_is_that_of_radiance() {
     let mean = sums.0 / sums.1 - 1.0;
     eprintln!("{}", truth.said);
     eprintln!(
-        "{} hours, {points} points: mean {:+.3} %, RMS over {} occupied hours {:.2} %; rfluxmtx, dctimestep and rcontrib {:.1} s, tyndall {made:.2} + {found:.2} s: {:.0} times",
+        "{} hours, {points} points: mean {:+.3} %, RMS over {} occupied hours {:.2} %; tyndall {made:.2} + {found:.2} s",
         lit.len(),
         100.0 * mean,
         occupied.len(),
         100.0 * rms,
-        truth.seconds,
-        truth.seconds / (made + found)
     );
+    // A stored truth was made on another machine.
+    if truth.seconds > 0.0 {
+        eprintln!(
+            "rfluxmtx, dctimestep and rcontrib {:.1} s: {:.0} times",
+            truth.seconds,
+            truth.seconds / (made + found)
+        );
+    }
     assert!(mean.abs() < 0.01 && rms < allowed, "mean {mean}, RMS {rms}");
     // What the sun gives straight is the same but for rounding.
     for (own, theirs) in own_sun.iter().flatten().zip(their_sun.iter().flatten()) {

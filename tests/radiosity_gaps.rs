@@ -2,16 +2,20 @@
 
 mod common;
 
-use common::build::quad;
+use common::build::{cuboid, quad};
 use common::receive::*;
-use common::rooms::panel;
+use common::rooms::{Room, WEATHER, panel};
+use common::weather::{ULM, made_up};
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
 use tyndall::backend::Wanted;
 use tyndall::conditions::Receiver;
+use tyndall::daylight::hours::{Hour, Hours};
+use tyndall::daylight::year::{self, Fineness, Year};
 use tyndall::plan::Quality;
 use tyndall::scene::Scene;
 use tyndall::studies::scenes::Corners;
+use tyndall::task::Task;
 
 /// Luminance of the sky [cd/m2].
 const SKY: f64 = 5000.0;
@@ -291,4 +295,70 @@ fn what_a_wall_has_around_it_is_no_hole() {
     let scene = sky(surfaces(&parts), &format!("uniform:{SKY}"));
     let found = y(&receive(scene, &up(&[[1.4, 0.8, 2.3], [0.1, 0.01, 0.1]])).total());
     assert_eq!(found, [0.0; 2]);
+}
+
+/// The sun comes through a roof light 0.3 m wide, far narrower than patches of the sky are apart: what surfaces send on of it is what a
+/// moment's light has, which asks each patch for the sun.
+#[test]
+fn sun_through_a_small_opening_is_not_lost() {
+    let (low, high) = (DVec3::ZERO, dvec3(4.0, 3.0, 4.0));
+    let is_ceiling = |corners: &[DVec3; 3]| corners.iter().all(|corner| corner.y == high.y);
+    let mut triangles: Vec<_> = cuboid(low, high).into_iter().collect();
+    triangles.retain(|corners| !is_ceiling(corners));
+    let (a, b) = (1.85, 2.15);
+    for [x, z] in [
+        [[0.0, a], [0.0, 4.0]],
+        [[b, 4.0], [0.0, 4.0]],
+        [[a, b], [0.0, a]],
+        [[a, b], [b, 4.0]],
+    ] {
+        let corner = dvec3(x[0], high.y, z[0]);
+        triangles.extend(quad(
+            corner,
+            DVec3::X * (x[1] - x[0]),
+            DVec3::Z * (z[1] - z[0]),
+        ));
+    }
+    let room = Room {
+        name: "roof light",
+        triangles: triangles.into_iter().map(|t| (t, 0)).collect(),
+        reflectances: vec![DVec3::splat(0.5)],
+        ground: 0.2,
+        points: vec![dvec3(0.7, 1.0, 0.6), dvec3(3.4, 0.85, 3.1)],
+    };
+    let file = made_up(ULM).read();
+    let all = Hours::new(&file, 0.0, None, None).expect("it is sound");
+    let high = all.lit.iter().filter(|hour| {
+        let is_clear = hour.sun.shines() && hour.sun.illuminance_lux() > 3e4;
+        is_clear && hour.sun.toward.y > 0.8
+    });
+    let high: Vec<&Hour> = high.collect();
+    let mut count = 0;
+    for patches in [1, 2, 4] {
+        let fineness = Fineness {
+            patches,
+            ..Fineness::new(Quality::Preview, &[])
+        };
+        let sensors: Vec<Receiver> = room.points.iter().map(|p| at(*p, DVec3::Y)).collect();
+        let base = year::conditions(room.under(&WEATHER[1]), &Default::default(), &file);
+        let base = base.expect("it is sound");
+        let year = Year::new(&base, sensors, &fineness, Task::unwatched()).expect("it works");
+        for hour in high.iter().step_by(high.len().div_ceil(4)) {
+            let [total, straight] = year.hour(hour);
+            let set = [("radiosity.sky", f64::from(patches))];
+            let now = year.at(hour);
+            let same = received_at(Quality::Preview, &now, Wanted::Reference, &set);
+            let all = y(&same.total());
+            for ((total, straight), all) in total.iter().zip(&straight).zip(&all) {
+                eprintln!(
+                    "{patches} patches, sun at {:.0} degrees: {total:.1} lx, at the moment {all:.1}",
+                    hour.sun.toward.y.asin() / tyndall::units::DEG
+                );
+                assert!((total / all - 1.0).abs() < 0.01, "{total} {all}");
+                assert!(*straight == 0.0 && *total > 5.0);
+                count += 1;
+            }
+        }
+    }
+    assert!(count >= 18, "{count}");
 }

@@ -223,6 +223,11 @@ fn every_figure_of_the_page_stands_in_the_tables() {
     let exr = exr.expect("OpenEXR");
     let mut sum = 0;
     for layer in &exr.layer_data {
+        let places = &layer.attributes.other;
+        for name in ["origin", "u", "v", "step"] {
+            let is_there = places.keys().any(|key| key.eq(&format!("tyndall:{name}")));
+            assert!(is_there, "{name}");
+        }
         let channels = &layer.channel_data.list;
         let mean = channels.iter().find(|c| c.name.eq("mean_lx"));
         let values = mean.expect("a column").sample_data.values_as_f32();
@@ -305,7 +310,7 @@ fn variants_share_what_their_scene_has() {
         assert!(out.status.success(), "{}", stderr(&out));
         cells(&String::from_utf8_lossy(&out.stdout))
     };
-    let both = run(&["--turn", "0,180"]);
+    let both = run(&["--turn", "-90,0,90,180"]);
     let value = |rows: &[Vec<String>], variant: &str, key: &str| -> f64 {
         let row = rows.iter().find(|row| row[0] == variant && row[3] == key);
         row.expect("a row")[5].parse().expect("a number")
@@ -330,11 +335,197 @@ fn variants_share_what_their_scene_has() {
     assert!(means[1] < 0.7 * means[0], "{means:?}");
     // A variant is what the turned scene has by itself.
     assert!(read("year.turn0.csv").len() > 1 && read("year.turn180.figures.csv").len() > 1);
-    run(&["--north", "180"]);
-    let alone = read("year.figures.csv");
-    let mean = alone.iter().find(|row| row[1] == "mean").expect("a row");
-    let mean: f64 = mean[3].parse().expect("a number");
-    assert!((means[1] / mean - 1.0).abs() < 1e-6, "{} {mean}", means[1]);
+    // Occupied hours are not the same before noon and after: west and east differ.
+    let mut others = Vec::new();
+    for (north, turn) in [("180", "turn180"), ("90", "turn90")] {
+        run(&["--north", north]);
+        let alone = read("year.figures.csv");
+        let mean = alone.iter().find(|row| row[1] == "mean").expect("a row");
+        let mean: f64 = mean[3].parse().expect("a number");
+        let turned = value(&both, turn, "mean");
+        assert!(
+            (turned / mean - 1.0).abs() < 1e-6,
+            "{turn}: {turned} {mean}"
+        );
+        others.push(mean);
+    }
+    let east = value(&both, "turn-90", "mean");
+    assert!((east / others[1] - 1.0).abs() > 0.02, "{east} {others:?}");
+}
+
+/// Two weather files: what is said of one place stands in the report of that file alone.
+#[test]
+fn a_variant_has_the_warnings_of_its_own_file() {
+    let scene = windowed("[site]\nlatitude = 48.0\nlongitude = 15.0\n");
+    let near = weather_on(60);
+    scene.write("near.epw", &near);
+    scene.write(
+        "far.epw",
+        &near.replace("none,000000,48,15", "none,000000,51,15"),
+    );
+    let run = |files: [&str; 2]| -> Vec<String> {
+        let mut all = vec!["daylight", "scene.toml", "--grid", "spacing=2"];
+        all.extend(["--quality", "draft", "--patches", "1", "--json"]);
+        all.extend(files.iter().flat_map(|file| ["--weather", *file]));
+        let out = tyndall(scene.path(), &all);
+        assert!(out.status.success(), "{}", stderr(&out));
+        assert_eq!(stderr(&out).matches("the scene lies at").count(), 1);
+        let report: Value = serde_json::from_slice(&out.stdout).expect("JSON");
+        let variants = report["variants"].as_array().expect("variants").iter();
+        variants
+            .map(|variant| variant["report"]["warnings"].to_string())
+            .collect()
+    };
+    for files in [["near.epw", "far.epw"], ["far.epw", "near.epw"]] {
+        for (file, said) in files.iter().zip(run(files)) {
+            let is_far = *file == "far.epw";
+            assert_eq!(said.contains("the scene lies at"), is_far, "{file}: {said}");
+            assert!(!said.contains("near.epw at"), "{said}");
+        }
+    }
+}
+
+/// A window in the southern wall of a court, a roof window, and a pane that leads from the room into a closed one beside it. At 48 degrees
+/// north on 21 March the sun is up for some twelve hours, before a southern wall all of them.
+#[test]
+fn openings_have_the_hours_of_sun_that_their_hour_angles_give() {
+    let (a, b) = (4.0, 3.0);
+    let floor = |x: [f64; 2], y: f64| [[x[0], y, 0.0], [x[0], y, a], [x[1], y, a], [x[1], y, 0.0]];
+    let across = |x: f64, z: [f64; 2], y: [f64; 2]| {
+        [
+            [x, y[0], z[0]],
+            [x, y[1], z[0]],
+            [x, y[1], z[1]],
+            [x, y[0], z[1]],
+        ]
+    };
+    let along = |z: f64, x: [f64; 2], y: [f64; 2]| {
+        [
+            [x[0], y[0], z],
+            [x[0], y[1], z],
+            [x[1], y[1], z],
+            [x[1], y[0], z],
+        ]
+    };
+    // The room to x = 4, and a closed one to x = 6.
+    let walls = [
+        floor([0.0, 6.0], 0.0),
+        along(0.0, [0.0, 6.0], [0.0, b]),
+        across(0.0, [0.0, a], [0.0, b]),
+        across(6.0, [0.0, a], [0.0, b]),
+        along(a, [0.0, 1.0], [0.0, b]),
+        along(a, [3.0, 6.0], [0.0, b]),
+        along(a, [1.0, 3.0], [0.0, 1.0]),
+        along(a, [1.0, 3.0], [2.0, b]),
+        across(a, [0.0, 1.0], [0.0, b]),
+        across(a, [2.0, a], [0.0, b]),
+        across(a, [1.0, 2.0], [0.0, 1.0]),
+        across(a, [1.0, 2.0], [2.0, b]),
+        [[0.0, b, 0.0], [0.0, b, 1.0], [6.0, b, 1.0], [6.0, b, 0.0]],
+        [[0.0, b, 2.0], [0.0, b, a], [6.0, b, a], [6.0, b, 2.0]],
+        [[0.0, b, 1.0], [0.0, b, 2.0], [1.0, b, 2.0], [1.0, b, 1.0]],
+        [[2.0, b, 1.0], [2.0, b, 2.0], [6.0, b, 2.0], [6.0, b, 1.0]],
+    ];
+    let glass = [
+        along(a, [1.0, 3.0], [1.0, 2.0]),
+        [[1.0, b, 1.0], [1.0, b, 2.0], [2.0, b, 2.0], [2.0, b, 1.0]],
+        across(a, [1.0, 2.0], [1.0, 2.0]),
+    ];
+    // The inner pane has a closed room behind it, and lets no sky be seen but through the other panes.
+    let scene = Folder::new(&[], "");
+    let part = |name: &str, quads: &[[[f64; 3]; 4]], before: usize| {
+        let mut text = format!("o {name}\nusemtl {name}\n");
+        for quad in quads {
+            for [x, y, z] in quad {
+                text += &format!("v {x} {y} {z}\n");
+            }
+        }
+        for i in 0..quads.len() {
+            let first = 4 * (before + i) + 1;
+            text += &format!("f {first} {} {} {}\n", first + 1, first + 2, first + 3);
+        }
+        text
+    };
+    let parts = part("wall", &walls, 0) + &part("glass", &glass, walls.len());
+    scene.write("mesh.obj", &format!("mtllib mesh.mtl\n{parts}"));
+    scene.write(
+        "mesh.mtl",
+        "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 1 1 1\n",
+    );
+    scene.write(
+        "scene.toml",
+        "mesh = \"mesh.obj\"\n[[pane]]\nmaterial = \"glass\"\n",
+    );
+    let run = |more: &[&str]| {
+        let mut all = vec!["daylight", "scene.toml", "--at", "48,15"];
+        all.extend(["--tz", "Etc/GMT-1", "--grid", "opening=all"]);
+        all.extend(["--sun-hours", "2026-03-21", "--every", "1min"]);
+        all.extend(more);
+        tyndall(scene.path(), &all)
+    };
+    let out = run(&["--csv"]);
+    assert!(out.status.success(), "{}", stderr(&out));
+    let rows = cells(&String::from_utf8_lossy(&out.stdout));
+    eprintln!("{rows:?}");
+    let number = |row: &[String], at: usize| row[at].parse::<f64>().expect("a number");
+    assert!(rows.iter().flatten().all(|cell| cell != "-0"), "{rows:?}");
+    assert_eq!(rows.len(), 3, "the inner pane is left out");
+    assert!(
+        stderr(&out).contains("1 sensors left out: they have no free sky"),
+        "{}",
+        stderr(&out)
+    );
+    // In the middle, 0.3 m above the sill.
+    let at = |row: &[String]| [1, 2, 3, 4, 5, 6].map(|i| number(row, i));
+    for (row, wanted) in [
+        (&rows[1], [2.0, 1.3, 4.0, 0.0, 0.0, 1.0]),
+        (&rows[2], [1.5, 3.0, 1.5, 0.0, 1.0, 0.0]),
+    ] {
+        let is_near = at(row)
+            .iter()
+            .zip(&wanted)
+            .all(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(is_near, "{row:?}");
+    }
+    // Refraction lengthens the day: cos H = (sin h - sin lat sin d) / (cos lat cos d), d = 0.34 degrees, h = -0.57 degrees. The sun is before a
+    // southern wall from where it crosses the east: a day hardly longer than the equinox's has all of its hours but minutes.
+    let (lat, d, h) = (
+        48f64.to_radians(),
+        0.34f64.to_radians(),
+        -0.57f64.to_radians(),
+    );
+    let cosine = (h.sin() - lat.sin() * d.sin()) / (lat.cos() * d.cos());
+    let day = 2.0 * cosine.acos().to_degrees() / 15.0;
+    let south = 2.0 * (d.tan() / lat.tan()).acos().to_degrees() / 15.0;
+    let hours = [number(&rows[1], 8), number(&rows[2], 8)];
+    eprintln!(
+        "wall {} h, by hand {south:.3}; roof {} h, by hand {day:.3}",
+        hours[0], hours[1]
+    );
+    assert!((hours[0] - south).abs() < 0.06 && (hours[1] - day).abs() < 0.06);
+    // What stands in reports, and what openings are not for.
+    let out = run(&["--json"]);
+    let report: Value = serde_json::from_slice(&out.stdout).expect("JSON");
+    assert!(
+        report["assumptions"]
+            .to_string()
+            .contains("told from memory")
+    );
+    assert_eq!(report["left_out"][0]["count"], 1);
+    scene.write("made.epw", &weather_on(60));
+    let out = tyndall(
+        scene.path(),
+        &[
+            "daylight",
+            "scene.toml",
+            "--grid",
+            "opening=all",
+            "--weather",
+            "made.epw",
+        ],
+    );
+    assert_eq!(out.status.code(), Some(2));
+    assert!(stderr(&out).contains("face outward"), "{}", stderr(&out));
 }
 
 #[test]

@@ -8,7 +8,6 @@
 //!   Where nothing is covered, the lowest area and those up to 1.8 m above it are floors;
 //! - of which no more than half lies less than 1.8 m over another floor: tables and platforms stand on floors.
 
-use super::opening;
 use super::outline::Outline;
 use super::plane::Plane;
 use super::section::cut;
@@ -39,44 +38,22 @@ const STOREY: f64 = 0.25;
 /// A surface of more planes than this is curved.
 const MOST_PLANES: usize = 2000;
 
-/// The planes of a grid, in order of height and then of the faces in the file; areas alone, without sensors.
+/// The planes of a grid, in order of height and then of the faces in the file; areas alone, without sensors. None of openings, which are
+/// no part of it.
 ///
 /// # Errors
 /// [`Error::Input`] for a name that nothing has, and where no floor is found.
 pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec<Plane>> {
-    let named = |name: &str| -> Result<Vec<u32>> {
-        let triangles = scene.triangles_named(name);
-        if triangles.is_empty() {
-            let remedy = match scene.nearest_name(name) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => names(scene),
-            };
-            let problem = format!("the scene has no object and no material `{name}`");
-            return Err(Error::input("--grid", problem, remedy));
-        }
-        Ok(triangles)
-    };
     let everything = || (0..scene.mesh.triangles.len() as u32).collect::<Vec<_>>();
     let (areas, name) = match &spec.on {
-        On::Surface(name) => return surfaces(scene, &named(name)?, name, spec),
-        On::Openings(name) => {
-            let triangles = match name.as_str() {
-                "all" => everything(),
-                name => named(name)?,
-            };
-            let planes = opening::planes(scene, geometry, &triangles, spec);
-            if planes.is_empty() {
-                return Err(Error::input(
-                    "--grid",
-                    format!("no pane of `{name}` leads to the outside"),
-                    "openings are told by glass: [[pane]], or KHR_materials_transmission; or give a surface in the opening with surface=",
-                ));
-            }
-            return Ok(planes);
-        }
+        On::Surface(name) => return surfaces(scene, &named(scene, name)?, name, spec),
+        On::Openings(_) => return Ok(Vec::new()),
         On::Floors => (found(geometry, levels(scene, &everything())), None),
-        On::Room(name) => (found(geometry, levels(scene, &named(name)?)), Some(name)),
-        On::Floor(name) => (all(levels(scene, &named(name)?)), Some(name)),
+        On::Room(name) => (
+            found(geometry, levels(scene, &named(scene, name)?)),
+            Some(name),
+        ),
+        On::Floor(name) => (all(levels(scene, &named(scene, name)?)), Some(name)),
     };
     let areas = of_storey(areas, spec)?;
     if areas.is_empty() {
@@ -110,6 +87,37 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
         divided(&name, &area.outline, &band, &frame, spec)
     });
     Ok(planes.collect())
+}
+
+/// The triangles of an object or a material.
+pub(super) fn named(scene: &Scene, name: &str) -> Result<Vec<u32>> {
+    let triangles = scene.triangles_named(name);
+    if triangles.is_empty() {
+        let remedy = match scene.nearest_name(name) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => names(scene),
+        };
+        let problem = format!("the scene has no object and no material `{name}`");
+        return Err(Error::input("--grid", problem, remedy));
+    }
+    Ok(triangles)
+}
+
+/// All floors that are found in a scene.
+pub(super) struct Floors(Vec<Area>);
+
+impl Floors {
+    pub fn of(scene: &Scene, geometry: &Geometry) -> Self {
+        let everything: Vec<u32> = (0..scene.mesh.triangles.len() as u32).collect();
+        Floors(found(geometry, levels(scene, &everything)))
+    }
+
+    /// The height of the highest below a place [m].
+    pub fn below(&self, place: DVec3) -> Option<f64> {
+        let is_below = |area: &&Area| area.height < place.y && area.outline.contains(plan(place));
+        let heights = self.0.iter().filter(is_below).map(|area| area.height);
+        heights.max_by(f64::total_cmp)
+    }
 }
 
 /// The areas of the storey that a grid asks for, if it asks for one.

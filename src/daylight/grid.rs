@@ -6,10 +6,12 @@
 
 use super::floor;
 use super::inside::{self, Standing};
+use super::opening;
 use crate::conditions::Receiver;
 use crate::error::{Error, Result};
 use crate::scene::{Geometry, Scene};
 use serde::Serialize;
+use std::collections::{HashMap, HashSet};
 
 pub use super::plane::{Plane, Sensor};
 pub use super::spec::{GridSpec, On};
@@ -37,6 +39,8 @@ pub struct Sensors {
     pub planes: Vec<Plane>,
     /// Those that are not there, and why.
     pub left_out: Vec<LeftOut>,
+    /// What else is to be said of them.
+    pub notes: Vec<String>,
 }
 
 impl Sensors {
@@ -49,9 +53,13 @@ impl Sensors {
         let mut sensors = Sensors::default();
         for spec in specs {
             let before = sensors.points.len();
+            let planes = match &spec.on {
+                On::Openings(name) => sensors.openings(scene, geometry, name, spec)?,
+                _ => floor::planes(scene, geometry, spec)?,
+            };
             // The points of openings lie in walls.
             let may_be_inside = matches!(spec.on, On::Openings(_));
-            for plane in floor::planes(scene, geometry, spec)? {
+            for plane in planes {
                 sensors.add(scene, geometry, plane, may_be_inside)?;
             }
             if sensors.points.len() == before {
@@ -70,6 +78,32 @@ impl Sensors {
     /// The sum of the areas that sensors stand for [m2].
     pub fn area(&self) -> f64 {
         self.points.iter().map(|sensor| sensor.area).sum()
+    }
+
+    /// The planes of openings; what panes are none is noted.
+    fn openings(
+        &mut self,
+        scene: &Scene,
+        geometry: &Geometry,
+        name: &str,
+        spec: &GridSpec,
+    ) -> Result<Vec<Plane>> {
+        let found = opening::openings(scene, geometry, name, spec)?;
+        let left_out = found.left_out.into_iter().map(|(count, why)| LeftOut {
+            plane: format!("openings of {name}"),
+            count,
+            why,
+        });
+        self.left_out.extend(left_out);
+        self.notes
+            .push("openings: reference points by EN 17037:2018, annex D, told from memory".into());
+        if !found.without_floor.is_empty() {
+            self.notes.push(format!(
+                "no floor and no ground is found below {}: the point lies 0.3 m above the sill, however high that is",
+                found.without_floor.join(", ")
+            ));
+        }
+        Ok(found.planes)
     }
 
     fn add(
@@ -134,15 +168,23 @@ impl Sensors {
         Ok(())
     }
 
-    /// Planes of one name get numbers.
+    /// Planes of one name get numbers, none of which is another's name.
     fn number_names(&mut self) {
         let names: Vec<String> = self.planes.iter().map(|p| p.name.clone()).collect();
-        for (i, plane) in self.planes.iter_mut().enumerate() {
-            let same = |name: &&String| **name == names[i];
-            if names.iter().filter(same).count() > 1 {
-                let number = 1 + names[..i].iter().filter(same).count();
-                plane.name = format!("{} {number}", names[i]);
+        let mut taken: HashSet<String> = names.iter().cloned().collect();
+        let mut numbers: HashMap<&str, usize> = HashMap::new();
+        for (plane, name) in self.planes.iter_mut().zip(&names) {
+            if names.iter().filter(|other| *other == name).count() == 1 {
+                continue;
             }
+            let number = numbers.entry(name.as_str()).or_insert(0);
+            plane.name = loop {
+                *number += 1;
+                let numbered = format!("{name} {number}");
+                if taken.insert(numbered.clone()) {
+                    break numbered;
+                }
+            };
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The values of sensors as an OpenEXR file: a part a plane, a pixel a cell, a channel a quantity.
 //!
 //! Channels have the names of the columns of tables, units in them, and 32-bit numbers. Cells without a sensor are NaN. The upper row is the last one
-//! of the plane (of floors what lies farthest toward -Z), columns run along its `u`.
+//! of the plane (of floors what lies farthest toward -Z), columns run along its `u`. Attributes of each part tell where it lies in scene axes:
+//! `tyndall:origin` [m], the corner from which cells count, `tyndall:u` and `tyndall:v`, unit vectors along columns and from row to row, and
+//! `tyndall:step`, the distances between columns and rows [m].
 
 use super::grid::Sensors;
 use crate::error::Result;
@@ -10,8 +12,9 @@ use ::exr::error::Error as ExrError;
 use ::exr::image::write::WritableImage;
 use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{IntegerBounds, Text};
+use ::exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
 use ::exr::meta::header::{ImageAttributes, LayerAttributes};
+use glam::DVec3;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -34,10 +37,20 @@ pub fn write(path: &Path, sensors: &Sensors, columns: &[(String, Vec<f64>)]) -> 
             }
             AnyChannel::new(text(name), FlatSamples::F32(pixels))
         });
-        let attributes = LayerAttributes {
+        let mut attributes = LayerAttributes {
             software_name: Some(text(SOFTWARE)),
             ..LayerAttributes::named(text(&plane.name))
         };
+        let vector = |v: DVec3| AttributeValue::FloatVec3((v.x as f32, v.y as f32, v.z as f32));
+        let [step_u, step_v] = plane.step.map(|step| step as f32);
+        let places = [
+            ("origin", vector(plane.origin)),
+            ("u", vector(plane.u)),
+            ("v", vector(plane.v)),
+            ("step", AttributeValue::FloatVec2(Vec2(step_u, step_v))),
+        ];
+        let places = places.map(|(name, value)| (text(&format!("tyndall:{name}")), value));
+        attributes.other.extend(places);
         let channels = AnyChannels::sort(channels.collect());
         Layer::new(
             (width, height),

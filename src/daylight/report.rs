@@ -247,9 +247,13 @@ impl Report {
         }
     }
 
-    /// The figures of all rooms as CSV.
-    pub fn figures_csv(&self) -> String {
-        let mut text = "room,key,name,value,unit,verdict,method,edition\n".to_owned();
+    /// The figures of all rooms as CSV; behind columns of the same value in each row, by name.
+    pub fn figures_csv(&self, before: &[(&str, &str)]) -> String {
+        let mut text = String::new();
+        for (name, _) in before {
+            let _ = write!(text, "{},", quoted(name));
+        }
+        text += "room,key,name,value,unit,verdict,method,edition\n";
         for room in &self.rooms {
             for figure in &room.figures {
                 let value = figure
@@ -265,7 +269,10 @@ impl Report {
                     &figure.method,
                     figure.edition,
                 ];
-                let cells: Vec<String> = cells.iter().map(|cell| quoted(cell)).collect();
+                let before = before.iter().map(|(_, value)| quoted(value));
+                let cells: Vec<String> = before
+                    .chain(cells.iter().map(|cell| quoted(cell)))
+                    .collect();
                 let _ = writeln!(text, "{}", cells.join(","));
             }
         }
@@ -286,7 +293,8 @@ impl Report {
                 .chain(sensor.normal.to_array());
             let numbers = places.chain([sensor.area]).chain(sensor.metrics.values());
             let cells: Vec<String> = std::iter::once(quoted(&sensor.room))
-                .chain(numbers.map(|number| number.to_string()))
+                // 0 has no sign.
+                .chain(numbers.map(|number| (number + 0.0).to_string()))
                 .collect();
             let _ = writeln!(text, "{}", cells.join(","));
         }
@@ -385,7 +393,7 @@ fn angle(degrees: f64, positive: &str, negative: &str) -> String {
 
 /// A cell of a CSV.
 fn quoted(text: &str) -> String {
-    match text.contains([',', '"', '\n']) {
+    match text.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text.to_owned(),
     }

@@ -126,14 +126,24 @@ impl GridSpec {
             }
         }
         let is_surface = matches!(spec.on, On::Surface(_));
+        let is_opening = matches!(spec.on, On::Openings(_));
+        let not_of_openings = ["spacing", "inset", "level", "side"];
+        if let Some(key) = not_of_openings
+            .iter()
+            .find(|key| is_opening && seen.contains(key))
+        {
+            return Err(wrong(
+                format!("`{key}` is not of openings"),
+                "leave it out: an opening has one point, which faces outward; plane= is how far inward from the pane it lies",
+            ));
+        }
         if side.is_some() && !is_surface {
             return Err(wrong(
                 "`side` is of surfaces".into(),
                 "leave it out: planes over floors look up",
             ));
         }
-        let is_opening = matches!(spec.on, On::Openings(_));
-        if spec.level.is_some() && (is_surface || is_opening) {
+        if spec.level.is_some() && is_surface {
             return Err(wrong(
                 "`level` is of floors".into(),
                 "leave it out: a surface is named",

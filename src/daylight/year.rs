@@ -88,13 +88,13 @@ pub fn elsewhere(site: Option<&SiteEntry>, file: &WeatherFile) -> Option<Warning
     })
 }
 
-/// The scene at the place of a weather file, seen by nothing yet: under the sun of a noon of June, which each hour replaces.
+/// The scene at the place of a weather file, seen by nothing yet: under the sun of a noon of June, which each hour replaces. Where that
+/// place is another than the scene's, [`elsewhere`] says so.
 ///
 /// # Errors
 /// Those of [`Conditions::new`].
 pub fn conditions(mut scene: Scene, request: &Request, file: &WeatherFile) -> Result<Conditions> {
     scene.sun = None;
-    let elsewhere = elsewhere(scene.site.take().as_ref(), file);
     scene.site = Some(SiteEntry {
         latitude_deg: file.latitude_deg,
         longitude_deg: file.longitude_deg,
@@ -111,9 +111,7 @@ pub fn conditions(mut scene: Scene, request: &Request, file: &WeatherFile) -> Re
         timezone: None,
         ..request.clone()
     };
-    let mut conditions = Conditions::new(scene, &request)?;
-    conditions.warnings.extend(elsewhere);
-    Ok(conditions)
+    Conditions::new(scene, &request)
 }
 
 impl Year {

@@ -13,7 +13,7 @@
 use super::arrival::Source;
 use super::dome::Dome;
 use super::light::{off, open_sky, open_sun};
-use super::sun::{Levels, may_see, sun_on_levels};
+use super::sun::{Levels, sun_on_levels};
 use super::tiles::Tile;
 use super::transport::Transport;
 use crate::colour::luminance;
@@ -21,14 +21,11 @@ use crate::conditions::{Conditions, Receiver};
 use crate::error::Result;
 use crate::memory;
 use crate::sky::Sky;
-use crate::sky::patches::Patch;
 use crate::task::Task;
-use crate::units::DEG;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
 
 /// Points whose rows are found together: a row of theirs fills some lines of the cache.
 const TOGETHER: usize = 32;
@@ -36,15 +33,21 @@ const TOGETHER: usize = 32;
 /// The most turns of the iteration: at a reflectance of 0.9 everywhere some 60 are needed.
 const TURNS: usize = 400;
 
-/// Patches that together give no point more than this share of its light are left out [1].
-const NOTHING: f64 = 1e-5;
+/// Patches are left out that together, all in full sun, give no point more than this share of what it has of a dim sky [1].
+const NOTHING: f64 = 1e-4;
 
-/// The share of a point's light that may come of a spot of sun on a patch between the places that are looked at first [1].
-const SPOT: f64 = 2e-5;
+/// What a spot of full sun on a patch, between the places that are looked at first, may give to a point, as a share of what the point has of
+/// a dim sky [1].
+const SPOT: f64 = 2e-3;
 
-/// How far from a patch of the sky others are where a surface that is dark under all of them is dark under a sun there, over that patch's
-/// size, and at least [rad].
-const AROUND: [f64; 2] = [1.5, 6.0 * DEG];
+/// Full sun: more than a surface ever receives [lx].
+const FULL_SUN: f64 = 1.2e5;
+
+/// The luminance of a dim sky [cd/m2], the same all over: 10 klx on open ground.
+const DIM_SKY: f64 = 1e4 / PI;
+
+/// The finest level that is looked at first, however much of a patch points see.
+const FINEST_FIRST: u32 = 12;
 
 /// What points receive of each source.
 pub struct Coefficients {
@@ -58,12 +61,6 @@ pub struct Coefficients {
     patches: Vec<u32>,
     /// How finely the sun on each of them is looked at.
     levels: Vec<Levels>,
-    /// By patch of the sky: those near it.
-    around: Vec<Vec<u32>>,
-    /// By patch of the sky, found when it is asked for: whether each of `patches` sees it.
-    seeing: Vec<OnceLock<Vec<bool>>>,
-    /// By patch of the sky, found when it is asked for: which of `patches` the sun may light from there, by number in that list.
-    lit: Vec<OnceLock<Vec<u32>>>,
     /// By patch of that list, channel and point: illuminance for 1 lx that the patch receives from outside [1].
     surfaces: Vec<f32>,
     /// The same of the open ground's radiance, by channel and point [lx per cd/m2].
@@ -117,7 +114,7 @@ impl Coefficients {
             })
             .collect();
         let blocks = blocks?;
-        let shares = most_shares(&blocks, patches);
+        let shares = most_shares(&blocks, patches, skies);
         let active = all_but_least(&shares, NOTHING);
         let mut all = Coefficients {
             points: points.len(),
@@ -128,9 +125,6 @@ impl Coefficients {
             open_ground: vec![0.0; channels * points.len()],
             tiles: Vec::new(),
             levels: Vec::new(),
-            around: around(&transport.dome),
-            seeing: vec![OnceLock::new(); skies],
-            lit: vec![OnceLock::new(); skies],
             patches: active,
         };
         let mut first = 0;
@@ -165,7 +159,8 @@ impl Coefficients {
         all.tiles
             .sort_unstable_by_key(|(patch, tile, point, _)| (*patch, *tile, *point));
         let levels = all.patches.iter().map(|patch| {
-            let first = (shares[*patch as usize] / SPOT).log(4.0).ceil().max(1.0) as u32;
+            let first = (shares[*patch as usize] / SPOT).log(4.0).ceil();
+            let first = first.clamp(1.0, f64::from(FINEST_FIRST)) as u32;
             let own = all.tiles_of(*patch).last();
             let seen = own.map_or(0, |(_, tile, ..)| tile.level());
             Levels {
@@ -233,9 +228,7 @@ impl Coefficients {
             return;
         }
         let mut sum = vec![0.0; self.points];
-        for at in self.lit_from(transport, conditions.sun.toward) {
-            let at = *at as usize;
-            let patch = self.patches[at];
+        for (at, patch) in self.patches.iter().copied().enumerate() {
             let levels = Some(self.levels[at]);
             let direct = sun_on_levels(transport, conditions, patch as usize, levels);
             if direct.mean != DVec3::ZERO {
@@ -255,27 +248,6 @@ impl Coefficients {
             // Tiles that are darker than their patch cannot take more than there is.
             *all += f64::from(own.max(0.0));
         }
-    }
-
-    /// Which patches a sun may light, by number in the list: those that see something of the sky around it.
-    fn lit_from(&self, transport: &Transport, toward: DVec3) -> &[u32] {
-        let sees = |sky: u32| {
-            self.seeing[sky as usize].get_or_init(|| {
-                let toward = self.dome.patches()[sky as usize].direction;
-                let patches = self.patches.iter();
-                patches
-                    .map(|patch| may_see(transport, *patch as usize, toward, sky.into()))
-                    .collect()
-            })
-        };
-        let own = self.dome.patch_of(toward) as usize;
-        self.lit[own].get_or_init(|| {
-            let all = self.around[own].iter().map(|sky| sees(*sky));
-            let all: Vec<&Vec<bool>> = all.collect();
-            (0..self.patches.len() as u32)
-                .filter(|at| all.iter().any(|sees| sees[*at as usize]))
-                .collect()
-        })
     }
 
     /// Adds what a source of a number gives, of this strength.
@@ -451,20 +423,23 @@ impl Transport {
     }
 }
 
-/// By patch: the greatest share that any point has of it, of all that surfaces would give if each received as much [1].
-fn most_shares(blocks: &[Block], patches: usize) -> Vec<f64> {
+/// By patch: the most that it gives to any point in full sun, over what that point has of a dim sky [1]; infinite where the point has
+/// nothing of the sky.
+fn most_shares(blocks: &[Block], patches: usize, skies: usize) -> Vec<f64> {
     let mut most = vec![0.0f64; patches];
     for block in blocks {
-        let width = block.surfaces.len() / patches.max(1);
-        let mut sums = vec![0.0f64; width];
-        for row in block.surfaces.chunks(width.max(1)) {
-            for (sum, share) in sums.iter_mut().zip(row) {
-                *sum += f64::from(*share);
+        let width = (block.sky.len() / skies.max(1)).max(1);
+        let mut dim = vec![0.0f64; width];
+        for row in block.sky.chunks(width) {
+            for (dim, share) in dim.iter_mut().zip(row) {
+                *dim += DIM_SKY * f64::from(*share);
             }
         }
-        for (most, row) in most.iter_mut().zip(block.surfaces.chunks(width.max(1))) {
-            let shares = row.iter().zip(&sums).filter(|(_, sum)| **sum > 0.0);
-            *most = shares.fold(*most, |m, (share, sum)| m.max(f64::from(*share) / sum));
+        for (most, row) in most.iter_mut().zip(block.surfaces.chunks(width)) {
+            let shares = row.iter().zip(&dim).filter(|(share, _)| **share > 0.0);
+            *most = shares.fold(*most, |m, (share, dim)| {
+                m.max(FULL_SUN * f64::from(*share) / dim)
+            });
         }
     }
     most
@@ -483,21 +458,6 @@ fn all_but_least(shares: &[f64], rest: f64) -> Vec<u32> {
     let mut kept = by_share.split_off(least);
     kept.sort_unstable();
     kept
-}
-
-/// Of each patch of the sky those near it.
-fn around(dome: &Dome) -> Vec<Vec<u32>> {
-    let [factor, least] = AROUND;
-    let patches = dome.patches();
-    let near = |patch: &Patch| {
-        let cosine = (factor * patch.solid_angle.sqrt()).max(least).cos();
-        let is_near = |other: &u32| {
-            let other = &patches[*other as usize];
-            other.direction.dot(patch.direction) >= cosine
-        };
-        (0..patches.len() as u32).filter(is_near).collect()
-    };
-    patches.iter().map(near).collect()
 }
 
 /// Whether nothing in a scene colours light.

@@ -15,9 +15,6 @@ use glam::DVec3;
 /// Shadow rays to a patch that is no part of a plane: first, and where they differ.
 const RAYS: [usize; 2] = [16, 128];
 
-/// Points of a patch that look for each patch of the sky.
-const SPOTS: usize = 4;
-
 /// The least level on which it is found whether the sun lights all of a patch alike; else that of tiles half as large as the plane's
 /// finest cells.
 const FIRST: u32 = 2;
@@ -91,20 +88,6 @@ pub(super) fn sun_on_levels(
         mean: by_spots(transport, conditions, patch),
         tiles: Vec::new(),
     }
-}
-
-/// Whether any of some points of a patch sees a direction: it is dark under a sun that stands where none of them sees the sky.
-pub(super) fn may_see(transport: &Transport, patch: usize, toward: DVec3, seed: u64) -> bool {
-    let own = &transport.patches.all[patch];
-    (0..SPOTS).any(|i| {
-        let spot = own.spot(&spread(i, seed << 32 | patch as u64));
-        let ray = Ray {
-            origin: spot.lifted(transport.near(DVec3::ZERO)),
-            direction: toward,
-        };
-        let geometry = &transport.conditions.geometry;
-        spot.normal.dot(toward) > 0.0 && !geometry.occluded(&ray, 0.0, f64::INFINITY)
-    })
 }
 
 /// What of the sun's light arrives at a point that rays leave by the normal.

@@ -18,6 +18,8 @@ pub struct Annual {
     pub said: String,
     /// All of that [s].
     pub seconds: f64,
+    /// A number of what it was made of.
+    pub input: f64,
 }
 
 /// Where the truth of the suite's sample lies.
@@ -25,6 +27,22 @@ const TRUTH: &str = "tests/truth/year.csv";
 
 fn path() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(TRUTH)
+}
+
+/// A number that is another where anything of the room, its ground or its points is.
+pub fn input(task: &Value) -> f64 {
+    fn flat(value: &Value, all: &mut Vec<f64>) {
+        match value {
+            Value::Array(values) => values.iter().for_each(|value| flat(value, all)),
+            value => all.push(value.as_f64().expect("a number")),
+        }
+    }
+    let mut all = Vec::new();
+    for key in ["triangles", "materials", "ground", "points"] {
+        flat(&task[key], &mut all);
+    }
+    let weighted = all.iter().zip(1u32..);
+    weighted.map(|(v, i)| v * f64::from(i).sqrt()).sum()
 }
 
 fn numbers(value: &Value) -> Vec<Vec<f64>> {
@@ -52,6 +70,7 @@ impl Annual {
                 .map(|(i, toward)| (*toward, [own(&all, i), own(&straight, i)]))
                 .collect(),
             seconds: seconds.values().filter_map(Value::as_f64).sum(),
+            input: input(task),
             said: json!([out["seconds"], out["cpu"], out["commands"]]).to_string(),
         })
     }
@@ -64,10 +83,15 @@ impl Annual {
             suns: Vec::new(),
             said: String::new(),
             seconds: 0.0,
+            input: f64::NAN,
         };
         for line in text.lines() {
             if let Some(said) = line.strip_prefix("# ") {
                 annual.said += said;
+                continue;
+            }
+            if let Some(input) = line.strip_prefix("input,") {
+                annual.input = input.parse().expect("a number");
                 continue;
             }
             let mut cells = line.split(',');
@@ -91,7 +115,10 @@ impl Annual {
 
     /// Stores it as the truth.
     pub fn store(&self) {
-        let mut text = format!("# {}\nkind,x,y,z,a number a point\n", self.said);
+        let mut text = format!(
+            "# {}\ninput,{:.9e}\nkind,x,y,z,a number a point\n",
+            self.said, self.input
+        );
         let mut line = |kind: &str, toward: &DVec3, row: &[f64]| {
             let cells: Vec<String> = row.iter().map(|v| format!("{v:.5e}")).collect();
             let _ = writeln!(

@@ -69,6 +69,9 @@ pub fn tell(sensors: &Sensors) {
         );
         tell::line("grid", text);
     }
+    for note in &sensors.notes {
+        tell::line("grid", note);
+    }
     let planes = sensors.planes.len();
     let area = short(sensors.area());
     let count = sensors.points.len();
@@ -305,6 +308,7 @@ fn report(
         "warnings": conditions.warnings,
         "grids": grid.specs,
         "left_out": sensors.left_out,
+        "notes": sensors.notes,
         "summary": summary,
         "planes": planes,
         "sensors": points,

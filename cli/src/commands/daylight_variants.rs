@@ -143,18 +143,16 @@ pub fn table(all: &[Done]) -> String {
 pub fn csv(all: &[Done]) -> String {
     let mut text = String::new();
     for done in all {
-        for (number, line) in done.report.figures_csv().lines().enumerate() {
-            match (number, text.is_empty()) {
-                (0, true) => {
-                    let _ = writeln!(text, "variant,north_degrees,{line}");
-                }
-                (0, false) => {}
-                _ => {
-                    let tag = done.tag.replace('"', "\"\"");
-                    let _ = writeln!(text, "\"{tag}\",{},{line}", done.north_deg);
-                }
-            }
-        }
+        let north = done.north_deg.to_string();
+        let own = [("variant", done.tag.as_str()), ("north_degrees", &north)];
+        let rows = done.report.figures_csv(&own);
+        // One header, which no name of a room is part of.
+        let header = rows.find('\n').map_or(0, |end| end + 1);
+        text += if text.is_empty() {
+            &rows[..]
+        } else {
+            &rows[header..]
+        };
     }
     text
 }

@@ -3,11 +3,12 @@
 use super::daylight_files::{self, Kind};
 use super::daylight_variants::{self, Done, Variant, variants};
 use crate::arguments::form::FormArgs;
+use crate::arguments::place_time;
 use crate::arguments::scene::{PlanArgs, SceneArgs};
 use crate::tables::printer::As;
 use crate::tables::stdout;
 use crate::tell;
-use chrono::{NaiveDate, NaiveTime};
+use chrono::{NaiveDate, NaiveTime, TimeDelta};
 use clap::Args;
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -18,7 +19,7 @@ use std::time::Instant;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::daylight::assumed;
 use tyndall::daylight::epw::WeatherFile;
-use tyndall::daylight::grid::{GridSpec, Sensors};
+use tyndall::daylight::grid::{GridSpec, On, Sensors};
 use tyndall::daylight::hours::Hours;
 use tyndall::daylight::map::{self, Caption};
 use tyndall::daylight::metrics::{ByPoint, Metrics};
@@ -63,7 +64,7 @@ pub struct YearArgs {
         requires = "weather",
         conflicts_with = "sun_hours",
         value_delimiter = ',',
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     turn: Vec<f64>,
     /// With --weather: how finely the sky is divided: 1 (145 patches), 2 (577) or 4 (2305)
@@ -140,14 +141,11 @@ fn time(text: &str) -> Result<NaiveTime, String> {
 
 /// A step in seconds.
 fn step(text: &str) -> Result<u32, String> {
-    let seconds = text.trim().parse::<f64>().ok();
-    let milliseconds = seconds.map(|seconds| 1e3 * seconds).or_else(|| {
-        let step = tyndall::ephemeris::duration(text)?;
-        Some(step.num_milliseconds() as f64)
-    });
-    match milliseconds {
-        Some(ms) if (1e3..=3.6e6).contains(&ms) && ms % 1e3 == 0.0 => Ok((ms / 1e3) as u32),
-        _ => Err("write whole seconds, 1s to 1h, as in 5min".into()),
+    let step = place_time::step(text)?;
+    let seconds = u32::try_from(step.num_seconds()).unwrap_or(0);
+    match step == TimeDelta::seconds(seconds.into()) && (1..=3600).contains(&seconds) {
+        true => Ok(seconds),
+        false => Err("write whole seconds, 1s to 1h, as in 5min".into()),
     }
 }
 
@@ -194,6 +192,14 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
         }
         assumed::reflectances(&mut scene);
         return of_day(args, asked, scene, date);
+    }
+    let is_opening = |spec: &GridSpec| matches!(spec.on, On::Openings(_));
+    if asked.grids.iter().any(is_opening) {
+        return Err(Error::input(
+            "--grid opening= with --weather",
+            "points of openings face outward: sDA, ASE, UDI and EN 17037's illuminances are those of planes in rooms",
+            "give --sun-hours with openings, or a grid over floors; surface= gives the light on glass",
+        ));
     }
     let files: Result<Vec<(PathBuf, WeatherFile)>> = (args.weather.iter())
         .map(|path| Ok((path.clone(), WeatherFile::read(path)?)))
@@ -267,11 +273,8 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         .map(|(number, variant)| {
             let north = conditions.scene.north_deg + variant.turn_deg;
             let mut hours = Hours::new(variant.file, north, turbidity, args.label_shift)?;
-            if !std::ptr::eq(variant.file, *first) {
-                hours
-                    .warnings
-                    .extend(year::elsewhere(site.as_ref(), variant.file));
-            }
+            let elsewhere = year::elsewhere(site.as_ref(), variant.file);
+            hours.warnings.extend(elsewhere);
             // A file's are told once, however the model is turned.
             let is_same = |other: &Variant| std::ptr::eq(variant.file, other.file);
             if !variants[..number].iter().any(is_same) {
@@ -291,6 +294,7 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
     })?;
     done("coefficients");
     let factors = year.factors(16)?;
+    done("daylight factors");
     let mut all = Vec::new();
     for (variant, hours) in variants.iter().zip(&all_hours) {
         let file = variant.file;
@@ -340,7 +344,7 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
                 Kind::Map => map(column, asked.scale).save(&own)?,
                 Kind::Csv => {
                     write(&own, &report.sensors_csv())?;
-                    write(&figures_file(&own), &report.figures_csv())?;
+                    write(&figures_file(&own), &report.figures_csv(&[]))?;
                     written.push(figures_file(&own));
                 }
                 Kind::Raster => {
@@ -380,7 +384,7 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         });
     }
     match (all.as_slice(), As::table_or(asked.form)) {
-        ([one], As::Csv) => stdout::print(one.report.figures_csv())?,
+        ([one], As::Csv) => stdout::print(one.report.figures_csv(&[]))?,
         ([one], As::Json) => stdout::print_json(&one.report)?,
         ([one], As::Table) => stdout::print(figures(&one.report))?,
         (all, As::Csv) => stdout::print(daylight_variants::csv(all))?,
@@ -511,7 +515,17 @@ fn day_csv(sensors: &Sensors, found: &SunHours) -> String {
         let _ = writeln!(
             text,
             "\"{name}\",{},{},{},{},{},{},{},{},{},{}",
-            p.x, p.y, p.z, n.x, n.y, n.z, sensor.area, found.hours[i], ends[0], ends[1]
+            // 0 has no sign.
+            p.x + 0.0,
+            p.y + 0.0,
+            p.z + 0.0,
+            n.x + 0.0,
+            n.y + 0.0,
+            n.z + 0.0,
+            sensor.area,
+            found.hours[i],
+            ends[0],
+            ends[1]
         );
     }
     text
@@ -577,6 +591,8 @@ fn day_report(
         "method": "steps of the local clock whose sun's middle the sensor faces and sees; clouds are left out",
         "edition": "EN 17037:2018+A1:2021, not read in print",
         "warnings": conditions.warnings,
+        "left_out": sensors.left_out,
+        "assumptions": sensors.notes,
         "planes": planes.collect::<Vec<_>>(),
         "sensors": points.collect::<Vec<_>>(),
     })
