@@ -33,6 +33,15 @@ pub enum Warning {
         /// What is there instead: `left out`, `held at 1`.
         instead: String,
     },
+    /// What a weather file lacks, or says that does not fit, and what is taken instead.
+    Weather {
+        /// The file, and what is wrong with it.
+        problem: String,
+        /// What is taken instead: `they are taken as dark`.
+        instead: String,
+        /// What the user can do.
+        remedy: String,
+    },
     /// A file that lies outside the folder of the scene that names it.
     OutsideFolder {
         /// The scene file.
@@ -321,6 +330,7 @@ impl Warning {
         match self {
             Warning::MissingMaterials { remedy, .. }
             | Warning::MissingTexture { remedy, .. }
+            | Warning::Weather { remedy, .. }
             | Warning::Photometry { remedy, .. } => (!remedy.is_empty()).then_some(remedy),
             Warning::UnknownMaterials { .. } => {
                 Some("define them in an MTL file that a `mtllib` of the OBJ file names")
@@ -421,7 +431,10 @@ impl fmt::Display for Warning {
             Warning::LeftOut { file, things } => {
                 write!(f, "{file}: left out, with how often: {}", with_counts(things))
             }
-            Warning::Mended { problem, instead } => write!(f, "{problem}; {instead}"),
+            Warning::Mended { problem, instead }
+            | Warning::Weather {
+                problem, instead, ..
+            } => write!(f, "{problem}; {instead}"),
             Warning::SameCameraName { file, name, count } => write!(
                 f,
                 "{file}: {count} cameras are called `{name}`; the name chooses the first"

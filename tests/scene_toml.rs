@@ -191,6 +191,10 @@ fn toml_errors_name_file_line_key_and_remedy() {
             &["bad.toml:6: medium[0].min"],
         ),
         (
+            "[site]\nsuburb = 3",
+            &["bad.toml:3: site.suburb", "Known here: latitude"],
+        ),
+        (
             "[[medium]]\nshape = \"bocks\"",
             &["bad.toml:3: medium[0].shape", "did you mean \"box\""],
         ),

@@ -74,8 +74,15 @@ pub fn error(error: &Error) {
 
 /// Place, time, sun, sky, camera and warnings.
 pub fn conditions(conditions: &Conditions) {
+    conditions_without(conditions, &[]);
+}
+
+/// The same without the lines of some labels.
+pub fn conditions_without(conditions: &Conditions, left_out: &[&str]) {
     for (label, text) in conditions.lines() {
-        line(label, text);
+        if !left_out.contains(&label) {
+            line(label, text);
+        }
     }
     let chosen = &*conditions.view.chosen;
     let suggested = match chosen {
@@ -124,7 +131,10 @@ pub fn plan(plan: &Plan, overrules: &Overrules, backend: &str) {
     line("backend", backend);
     let running: Vec<&str> = plan.running().map(|step| step.effect.name).collect();
     line("effects", running.join(", "));
-    let missing = plan.conditions.sun.missing();
+    // Of a sun that was given no light, nobody expects any.
+    let is_unlit = plan.conditions.scene.sun.as_ref();
+    let is_unlit = is_unlit.is_some_and(|sun| sun.illuminance == Some(0.0));
+    let missing = plan.conditions.sun.missing().filter(|_| !is_unlit);
     let is_set = |step: &plan::Step| {
         let mut names = overrules
             .set
@@ -277,9 +287,9 @@ pub fn files(files: &[PathBuf]) {
     line("wrote", names.join(", "));
 }
 
-/// The measured error.
+/// The measured error: a result, which is said however little else is.
 pub fn check(lines: &[String]) {
     for (i, text) in lines.iter().enumerate() {
-        line(if i == 0 { "check" } else { "" }, text);
+        always(if i == 0 { "check" } else { "" }, text);
     }
 }

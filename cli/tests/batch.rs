@@ -214,6 +214,29 @@ fn columns_and_cells_that_are_not_needed_may_be_absent() {
 }
 
 #[test]
+fn rows_without_a_zone_are_counted() {
+    let rows = [
+        "2026-06-21T12:00:00,48.85,2.29,0\n",
+        "2026-06-21T12:00:00[u-ca=gregory],48.85,2.29,0\n",
+        "2026-06-21T12:00:00+02:00,48.85,2.29,0\n",
+        "2026-06-21T12:00:00[Europe/Paris],48.85,2.29,0\n",
+        "JD2451545.0,48.85,2.29,0\n",
+        ROW,
+    ];
+    let said = |rows: &[&str], more: &[&str]| {
+        let arguments = [&["sun", "--batch", "-"], more].concat();
+        let output = with_input(&arguments, (HEAD.to_owned() + &rows.concat()).as_bytes());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    let local = said(&rows, &[]);
+    assert!(local.contains("2 rows have times without"), "{local}");
+    assert!(said(&rows[..1], &[]).contains("1 row has a time without"));
+    assert_eq!(said(&rows[2..], &[]), "");
+    assert_eq!(said(&rows[..3], &["--tz", "+02:00"]), "");
+}
+
+#[test]
 fn a_batch_has_the_columns_and_the_numbers_of_a_single_position() {
     let single = with_input(
         &[

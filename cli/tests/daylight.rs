@@ -651,7 +651,7 @@ fn grids_have_summaries_tables_and_maps() {
 #[test]
 fn grids_that_cannot_be_are_refused() {
     let scene = court();
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (&["--grid", "spacing=1", "-o", "a.txt"], ".svg"),
         (
             &["--grid", "spacing=1", "-o", "scene.toml"],
@@ -662,6 +662,11 @@ fn grids_that_cannot_be_are_refused() {
             "cie:16",
         ),
         (&["--grid", "spaceing=1"], "did you mean `spacing`?"),
+        (&["--grid", "plane=0.85,hight=2"], "help: The keys are"),
+        (
+            &["--grid", "spacing=1", "--set", "radiosity.pixels=1"],
+            "it has sky, rays, outline",
+        ),
         (&["--grid", "room=Kitchen"], "floor (assumed)"),
         (&["--grid", "spacing=1", "--points", "p.csv"], "--points"),
         (&["--factor", "--points", "p.csv"], "cannot be used with"),

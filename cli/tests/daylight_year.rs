@@ -589,7 +589,7 @@ fn what_a_year_cannot_use_is_told() {
             ],
             "shorter than a step",
         ),
-        (vec!["--sun-hours", "21 March"], "--sun-hours"),
+        (vec!["--sun-hours", "21.3.2026"], "write YYYY-MM-DD"),
     ] {
         let mut all = vec![
             "daylight",

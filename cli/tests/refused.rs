@@ -132,6 +132,36 @@ fn no_name_reaches_the_terminal_as_a_command_to_it() {
 }
 
 #[test]
+fn the_size_of_studies_is_not_that_of_a_scene_of_ones_own() {
+    let folder = folder();
+    let study = ["accuracy", "wall.toml", "--effect", "radiosity"];
+    for more in [&["--study", "scene"][..], &[]] {
+        let size = ["--study-size", "24x16"];
+        let output = tyndall(folder.path(), &[&study, more, &size].concat());
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("named with --size"), "{said}");
+    }
+}
+
+#[test]
+fn what_is_measured_and_why_it_is_dark_is_said_to_who_wants_quiet() {
+    let folder = folder();
+    let light = ["surface_sun", "radiosity", "sky_dome", "sun_disc"];
+    let dark: Vec<&str> = light.iter().flat_map(|name| ["--without", name]).collect();
+    let fixed = ["render", "wall.toml", "--backend", "reference", "-q"];
+    let check = ["--check", "4", "-o", "a.png"];
+    let output = tyndall(folder.path(), &[&fixed[..], &check, &dark].concat());
+    let said = stderr(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("check      "), "{said}");
+    assert!(
+        said.contains("--without leaves out light: surface_sun, radiosity"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_mesh_that_is_a_folder_is_an_error_of_its_key() {
     let folder = folder();
     for mesh in [".", "", "wall"] {

@@ -18,8 +18,13 @@ const BRIGHTEST_DAY: f64 = 150_000.0;
 
 impl Conditions {
     /// What is said of a picture under these conditions that is metered at `ev100` (nothing: it is black), where that is not
-    /// [`USUAL`]. `picture` is what it is called, `this picture` for one.
-    pub fn odd_exposure(&self, ev100: Option<f64>, picture: &str) -> Option<Warning> {
+    /// [`USUAL`]. `picture` is what it is called, `this picture` for one; `left_out` names effects that would have given light.
+    pub fn odd_exposure(
+        &self,
+        ev100: Option<f64>,
+        picture: &str,
+        left_out: &[&str],
+    ) -> Option<Warning> {
         let [least, most] = USUAL;
         let is_dark = match ev100 {
             None => true,
@@ -28,7 +33,7 @@ impl Conditions {
             Some(_) => return None,
         };
         let causes = match is_dark {
-            true => self.why_dark(),
+            true => self.why_dark(left_out),
             false => self.why_bright(),
         };
         Some(Warning::OddExposure {
@@ -40,8 +45,12 @@ impl Conditions {
     }
 
     /// Likely causes of darkness, one at least.
-    fn why_dark(&self) -> Vec<String> {
+    fn why_dark(&self, left_out: &[&str]) -> Vec<String> {
         let mut causes = Vec::new();
+        if !left_out.is_empty() {
+            let names = left_out.join(", ");
+            causes.push(format!("--without leaves out light: {names}"));
+        }
         let night = self.sun != Sun::ABSENT && self.sun_elevation_deg() < -6.0;
         if self.sky.is_none() && self.lamps.is_empty() && !self.sun.shines() {
             let why = self.sun.missing().unwrap_or("the sun is not there");

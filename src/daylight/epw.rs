@@ -200,9 +200,10 @@ impl Reader<'_> {
     }
 
     fn mend(&mut self, problem: impl Into<String>, instead: impl Into<String>) {
-        self.warnings.push(Warning::Mended {
+        self.warnings.push(Warning::Weather {
             problem: format!("{}: {}", self.name, problem.into()),
             instead: instead.into(),
+            remedy: "correct the file, or take it again from where it came".into(),
         });
     }
 

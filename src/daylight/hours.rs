@@ -126,9 +126,10 @@ impl Hours {
         }
         let site = Site::new(file.latitude_deg, file.longitude_deg, file.elevation)?;
         let mut warnings = file.warnings.clone();
-        let mend = |problem: String, instead: String| Warning::Mended {
+        let mend = |problem: String, instead: &str, remedy: &str| Warning::Weather {
             problem: format!("{}: {problem}", file.file),
-            instead,
+            instead: instead.into(),
+            remedy: remedy.into(),
         };
         let found = label_shift(file)?;
         if let Some(found) = &found {
@@ -139,7 +140,8 @@ impl Hours {
             (None, None) => {
                 warnings.push(mend(
                     "too little irradiance to find by it whether the labels are off".into(),
-                    "the sun is taken as the labels say (--label-shift says otherwise)".into(),
+                    "the sun is taken as the labels say",
+                    "give --label-shift if the labels are off",
                 ));
                 (0.0, ShiftFrom::NotFound)
             }
@@ -156,7 +158,8 @@ impl Hours {
                                 "earlier"
                             }
                         ),
-                        "the sun is taken then (--label-shift says otherwise)".into(),
+                        "the sun is taken then",
+                        "nothing need be done: the shift is applied (--label-shift gives another)",
                     ));
                 }
                 (found.hours, ShiftFrom::Found)
@@ -226,7 +229,8 @@ impl Hours {
                     "its own illuminance is {:.2} of what its irradiance gives over the year",
                     theirs / own
                 ),
-                "irradiance is gone by".into(),
+                "irradiance is gone by",
+                "nothing need be done: its illuminance is not used",
             ));
         }
         Ok(Hours {
@@ -306,20 +310,22 @@ fn irradiances(
         let all: f64 = (file.rows.iter())
             .filter_map(|row| row.global.or(row.diffuse_horizontal))
             .sum();
-        warnings.push(Warning::Mended {
+        warnings.push(Warning::Weather {
             problem: format!(
                 "{}: {sunless} hours without sun have irradiance, {lost:.0} Wh/m2 in all, {:.2} % of the year's",
                 file.file,
                 100.0 * lost / all
             ),
             instead: "they are taken as dark".into(),
+            remedy: "check the file's place and zone if that is much".into(),
         });
     }
     let mut mend = |count: usize, problem: &str, instead: &str| {
         if count > 0 {
-            warnings.push(Warning::Mended {
+            warnings.push(Warning::Weather {
                 problem: format!("{}: {count} hours by day {problem}", file.file),
                 instead: instead.to_owned(),
+                remedy: "take a more complete file of the place if they are many".to_owned(),
             });
         }
     };

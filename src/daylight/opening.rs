@@ -17,6 +17,7 @@ use super::plane::Plane;
 use super::spec::GridSpec;
 use crate::error::{Error, Result};
 use crate::scene::{Geometry, Ray, Scene};
+use crate::warning::Warning;
 use glam::{DVec2, DVec3, dvec2};
 use std::collections::HashMap;
 
@@ -64,10 +65,23 @@ pub(super) fn openings(
     };
     let found = among(scene, geometry, &triangles, spec);
     if found.planes.is_empty() {
+        let veils = geometry
+            .warnings()
+            .iter()
+            .find_map(|warning| match warning {
+                Warning::PartlySeeThrough { materials } => Some(materials.join("`, `")),
+                _ => None,
+            });
+        let see_through = match veils {
+            Some(names) => format!("`{names}` is see-through: [[pane]] makes it glass"),
+            None => "[[pane]] makes a see-through material glass".to_owned(),
+        };
         return Err(Error::input(
             "--grid",
             format!("no pane of `{name}` leads to the outside"),
-            "openings are told by glass: [[pane]], or KHR_materials_transmission; or give a surface in the opening with surface=",
+            format!(
+                "openings are told by glass, [[pane]] or KHR_materials_transmission ({see_through}); or give a surface in the opening with surface="
+            ),
         ));
     }
     Ok(found)

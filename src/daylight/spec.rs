@@ -73,8 +73,9 @@ impl GridSpec {
             };
             let key = key.trim();
             if !KEYS.contains(&key) {
-                let near = nearest(key, KEYS).unwrap_or_default();
-                let remedy = format!("did you mean `{near}`? The keys are {}", KEYS.join(", "));
+                let near = nearest(key, KEYS).map(|near| format!("did you mean `{near}`? "));
+                let near = near.unwrap_or_default();
+                let remedy = format!("{near}The keys are {}", KEYS.join(", "));
                 return Err(wrong(format!("there is no key `{key}`"), &remedy));
             }
             if seen.contains(&key) {

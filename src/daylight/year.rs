@@ -79,12 +79,13 @@ pub fn elsewhere(site: Option<&SiteEntry>, file: &WeatherFile) -> Option<Warning
         apart(site.latitude_deg, file.latitude_deg) > NEAR_DEG
             || apart(site.longitude_deg, file.longitude_deg) > NEAR_DEG
     })?;
-    Some(Warning::Mended {
+    Some(Warning::Weather {
         problem: format!(
             "the scene lies at {:.2}, {:.2} and the weather file {} at {:.2}, {:.2}",
             site.latitude_deg, site.longitude_deg, file.file, file.latitude_deg, file.longitude_deg
         ),
         instead: "the sun is that of the weather file's place".into(),
+        remedy: "take a weather file of the scene's place, or correct that (--at, [site])".into(),
     })
 }
 

@@ -451,6 +451,17 @@ pub fn instant_with(text: &str, reading: &Reading) -> Result<Instant> {
     }
 }
 
+/// Whether a text is a local time: one that neither an offset nor a zone stands beside.
+pub fn is_local(text: &str) -> bool {
+    if plain(text).is_some() || julian_digits(text.trim()).is_some() {
+        return false;
+    }
+    match split_brackets(text.trim()) {
+        Ok((time, None)) => parse(time).is_ok_and(|written| written.offset.is_none()),
+        _ => false,
+    }
+}
+
 /// The clock by which a site's dates are counted: the zone named, or the site's own.
 ///
 /// # Errors

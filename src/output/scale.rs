@@ -85,6 +85,15 @@ impl Scale {
         }
     }
 
+    /// An even scale from 0 to a round number that holds values; 0 to 1 where there are none above 0.
+    pub fn from_zero(quantity: &str, unit: &str, values: impl IntoIterator<Item = f64>) -> Self {
+        Scale {
+            low: 0.0,
+            is_log: false,
+            ..Scale::of(quantity, unit, values)
+        }
+    }
+
     /// The same scale of another quantity.
     pub fn named(self, quantity: &str, unit: &str) -> Self {
         Scale {
@@ -250,6 +259,9 @@ mod tests {
                 "{bad}"
             );
         }
+        let hours = Scale::from_zero("hours of sun", "h", [0.0, 0.2, 8.3]);
+        assert_eq!((hours.range(), hours.is_log()), ([0.0, 10.0], false));
+        assert!(hours.place(0.2) > hours.place(0.0));
         let dark = Scale::of("illuminance", "lx", [0.0, 0.0]);
         assert_eq!(dark.range(), [0.0, 1.0]);
     }

@@ -67,6 +67,17 @@ pub struct Overrules {
 }
 
 impl Overrules {
+    /// Those of the effects to leave out that give light.
+    pub fn lights_left_out(&self) -> Vec<&str> {
+        let is_light = |field: Field| !matches!(field.part(), Part::Surface | Part::Share);
+        let gives = |name: &str| {
+            let mut called = ALL.iter().filter(|effect| effect.is_called(name));
+            called.any(|effect| effect.writes.iter().any(|field| is_light(*field)))
+        };
+        let names = self.without.iter().map(String::as_str);
+        names.filter(|name| gives(name)).collect()
+    }
+
     /// The same at the finest quality and without knobs of the user's: what pictures are measured by.
     pub fn finest(&self) -> Self {
         Overrules {
@@ -317,12 +328,18 @@ impl<'c> Plan<'c> {
             .flat_map(|effect| effect.knobs)
             .find(|k| k.name == knob)
             .ok_or_else(|| {
-                let names = called().flat_map(|effect| effect.knobs).map(|k| k.name);
-                let remedy = match nearest(knob, names) {
-                    Some(name) => format!("did you mean `{name}`?"),
-                    None => format!("{name} has no knobs"),
+                let mut names = Vec::new();
+                for known in called().flat_map(|effect| effect.knobs) {
+                    if !names.contains(&known.name) {
+                        names.push(known.name);
+                    }
+                }
+                let remedy = match (nearest(knob, names.iter().copied()), &names[..]) {
+                    (_, []) => "it has none".to_owned(),
+                    (Some(near), _) => format!("did you mean `{near}`?"),
+                    (None, names) => format!("it has {}", names.join(", ")),
                 };
-                Error::input(&place, format!("there is no knob `{knob}`"), remedy)
+                Error::input(&place, format!("`{name}` has no knob `{knob}`"), remedy)
             })?;
         let [low, high] = known.range;
         if !(low..=high).contains(&value) {

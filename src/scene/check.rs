@@ -3,7 +3,7 @@
 //! The part of JSON Schema that [`super::toml`] makes is understood: objects, arrays of fixed length, numbers with
 //! ranges, strings with choices, and alternatives distinguished by a tag or by being a number or an array.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, nearest};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -373,11 +373,9 @@ impl<'a> Checker<'a> {
     }
 
     fn no_choice(&self, given: &str, at: usize, key: &str, choices: &[&str]) -> Error {
-        let remedy = format!(
-            "did you mean \"{}\"? There are: {}",
-            nearest(given, choices),
-            list(choices)
-        );
+        let near = nearest(&given.to_lowercase(), choices.iter().copied());
+        let near = near.map(|near| format!("did you mean \"{near}\"? "));
+        let remedy = format!("{}There are: {}", near.unwrap_or_default(), list(choices));
         self.error(at, key, format!("there is no \"{given}\""), remedy)
     }
 
@@ -396,11 +394,12 @@ impl<'a> Checker<'a> {
         });
         match home.collect::<Vec<_>>()[..] {
             [table] => format!("`{key}` belongs in [{table}]"),
-            _ => format!(
-                "did you mean `{}`? Known here: {}",
-                nearest(key, known),
-                known.join(", ")
-            ),
+            _ => {
+                let near = nearest(&key.to_lowercase(), known.iter().copied());
+                let near = near.map(|near| format!("did you mean `{near}`? "));
+                let near = near.unwrap_or_default();
+                format!("{near}Known here: {}", known.join(", "))
+            }
         }
     }
 }
@@ -421,15 +420,6 @@ fn choices(schema: &Value) -> Vec<&str> {
     listed
         .chain(alternatives.filter_map(|a| a.get("const")?.as_str()))
         .collect()
-}
-
-fn nearest<'a>(given: &str, known: &[&'a str]) -> &'a str {
-    let distance = |k: &&str| strsim::damerau_levenshtein(&given.to_lowercase(), k);
-    known
-        .iter()
-        .copied()
-        .min_by_key(|k| distance(k))
-        .unwrap_or("")
 }
 
 fn list(choices: &[&str]) -> String {

@@ -365,7 +365,9 @@ impl Sequence {
             let utc = self.asked.when.get(frame.index - self.asked.first)?;
             let local = self.asked.when.local_text(utc);
             let name = format!("frame {}, {local}", frame.index);
-            let odd = self.conditions(utc)?.odd_exposure(metered(frame), &name);
+            let left_out = self.asked.overrules.lights_left_out();
+            let conditions = self.conditions(utc)?;
+            let odd = conditions.odd_exposure(metered(frame), &name, &left_out);
             if let Some(odd) = odd
                 && !found.contains(&odd)
             {

@@ -111,7 +111,9 @@ pub fn run(args: &DaylightArgs) -> Result<()> {
     }
     // What is wrong with the flags is said before the points are awaited.
     Plan::new(&conditions, &args.plan.overrules())?;
-    tell::conditions(&conditions);
+    // The sun of a daylight factor is nobody's: it sets the sky's level, which cancels.
+    let left_out: &[&str] = if args.factor { &["sun"] } else { &[] };
+    tell::conditions_without(&conditions, left_out);
     let sensors = match args.grid.grid.is_empty() {
         true => None,
         false => Some(args.grid.sensors(&conditions)?),

@@ -268,7 +268,10 @@ fn report(
     summaries: &[(String, Summary)],
 ) -> Value {
     let sensors = grid.sensors;
+    // The sun of a daylight factor is nobody's.
+    let is_said = |label: &str| !(grid.is_factor && label == "sun");
     let said: serde_json::Map<String, Value> = (conditions.lines().into_iter())
+        .filter(|(label, _)| is_said(label))
         .map(|(label, text)| (label.to_owned(), json!(text)))
         .collect();
     let planes: Vec<Value> = (sensors.planes.iter())

@@ -105,7 +105,7 @@ pub struct YearArgs {
     )]
     show: Option<String>,
     /// The hours of sun of each sensor of --grid on a day, clouds left out
-    #[arg(long, value_name = "DATE", requires = "grid", conflicts_with_all = ["points", "time", "sun", "factor", "set"], conflicts_with_all = UNUSED)]
+    #[arg(long, value_name = "YYYY-MM-DD", requires = "grid", value_parser = date, conflicts_with_all = ["points", "time", "sun", "factor", "set"], conflicts_with_all = UNUSED)]
     pub sun_hours: Option<NaiveDate>,
     /// With --sun-hours: from this time of the local clock on
     #[arg(long, value_name = "HH:MM", requires = "sun_hours", value_parser = time, default_value = "00:00", conflicts_with = "weather")]
@@ -133,6 +133,11 @@ impl YearArgs {
     pub fn is_asked(&self) -> bool {
         !self.weather.is_empty() || self.sun_hours.is_some()
     }
+}
+
+fn date(text: &str) -> Result<NaiveDate, String> {
+    let date = text.trim().parse();
+    date.map_err(|_| "it is no date; write YYYY-MM-DD, as in 2026-03-21".into())
 }
 
 fn time(text: &str) -> Result<NaiveTime, String> {
@@ -406,6 +411,8 @@ fn scale_of(column: &str, values: &[f64], given: Option<&Scale>) -> Scale {
         Some(scale) => scale.clone().named(name, unit),
         None if unit == "%" && name != "factor" => Scale::new(name, unit, 0.0, 100.0)
             .unwrap_or_else(|_| Scale::of(name, unit, values.iter().copied())),
+        // No hour of sun is a result like any other.
+        None if unit == "h" => Scale::from_zero(name, unit, values.iter().copied()),
         None => Scale::of(name, unit, values.iter().copied()),
     }
 }

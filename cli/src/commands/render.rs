@@ -124,7 +124,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let ev100 = given.or(metered).unwrap_or(0.0);
     let odd = match (given, metered) {
         (Some(_), Some(_)) => None,
-        _ => conditions.odd_exposure(metered, "this picture"),
+        _ => {
+            let overrules = args.plan.overrules();
+            conditions.odd_exposure(metered, "this picture", &overrules.lights_left_out())
+        }
     };
     let record = &mut rendered.frame.record;
     backend.record(&plan, record);

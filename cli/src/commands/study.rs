@@ -47,7 +47,7 @@ impl StudyArgs {
     /// study, at `size` unless the flags say otherwise.
     ///
     /// # Errors
-    /// [`Error::Input`] for a scene that is not there; those of [`ViewArgs::conditions`].
+    /// [`Error::Input`] for a scene that is not there, and for `--study-size` beside the scene that is named alone; those of [`ViewArgs::conditions`].
     pub fn scenes(&self, usual: &[&str], size: [u32; 2]) -> Result<Vec<(String, Conditions)>> {
         let named = self.view.scene.scene.is_some();
         let names = match (self.study.is_empty(), named) {
@@ -55,6 +55,13 @@ impl StudyArgs {
             (true, false) => usual.iter().map(|name| (*name).to_owned()).collect(),
             (false, _) => self.study.clone(),
         };
+        if self.study_size.is_some() && names.iter().all(|name| name == "scene") {
+            return Err(Error::input(
+                "--study-size",
+                "it is the size of the study's own scenes, and none of them is asked for",
+                "give the size of the scene that is named with --size",
+            ));
+        }
         names
             .into_iter()
             .map(|name| {

@@ -1,6 +1,8 @@
 //! `tyndall sun --batch`: a position for every row of a CSV.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use tyndall::Result;
 use tyndall::ephemeris::civil::{self, Reading};
@@ -10,6 +12,7 @@ use crate::arguments::place_time::{SunArgs, TimeArgs};
 use crate::tables::batch::{Batch, Results, Row};
 use crate::tables::printer::Form;
 use crate::tables::sun_columns::columns;
+use crate::tell;
 
 static BATCH: Batch = Batch {
     known: &[
@@ -40,12 +43,22 @@ static BATCH: Batch = Batch {
 
 /// Reads `path` (`-` is standard input) and prints every row with the sun's position.
 pub fn run(path: &Path, form: Form, times: &TimeArgs, sun: &SunArgs) -> Result<()> {
+    let local = Arc::new(AtomicUsize::new(0));
     let positions = Positions {
         times: times.clone(),
         sun: sun.clone(),
         last: None,
+        local: Arc::clone(&local),
     };
-    BATCH.run(path, form, positions)
+    let result = BATCH.run(path, form, positions);
+    let rows = match local.load(Ordering::Relaxed) {
+        0 => return result,
+        1 => "1 row has a time".to_owned(),
+        count => format!("{count} rows have times"),
+    };
+    let text = "without an offset or a zone, taken as local time in the zone of the place";
+    tell::line("note", format!("{rows} {text} (--tz names another)"));
+    result
 }
 
 #[derive(Clone)]
@@ -54,6 +67,8 @@ struct Positions {
     sun: SunArgs,
     /// Latitude, longitude and elevation of the last row, and what follows from them: places repeat.
     last: Option<([f64; 3], Site, Weather)>,
+    /// Rows so far whose times were read by the clock of their place, which nobody has named.
+    local: Arc<AtomicUsize>,
 }
 
 impl Results for Positions {
@@ -87,6 +102,9 @@ impl Positions {
             ..self.times.reading(Some(&site))
         };
         let instant = civil::instant_with(time, &reading).map_err(here)?;
+        if reading.zone.is_none() && civil::is_local(time) {
+            self.local.fetch_add(1, Ordering::Relaxed);
+        }
         Ok(sun_position(self.sun.tier, &instant, &site, &weather))
     }
 
