@@ -3,7 +3,7 @@
 //! The part of JSON Schema that [`super::toml`] makes is understood: objects, arrays of fixed length, numbers with
 //! ranges, strings with choices, and alternatives distinguished by a tag or by being a number or an array.
 
-use crate::error::{Error, Result, nearest};
+use crate::error::{Error, Result};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -373,7 +373,7 @@ impl<'a> Checker<'a> {
     }
 
     fn no_choice(&self, given: &str, at: usize, key: &str, choices: &[&str]) -> Error {
-        let near = nearest(&given.to_lowercase(), choices.iter().copied());
+        let near = nearest(given, choices);
         let near = near.map(|near| format!("did you mean \"{near}\"? "));
         let remedy = format!("{}There are: {}", near.unwrap_or_default(), list(choices));
         self.error(at, key, format!("there is no \"{given}\""), remedy)
@@ -395,7 +395,7 @@ impl<'a> Checker<'a> {
         match home.collect::<Vec<_>>()[..] {
             [table] => format!("`{key}` belongs in [{table}]"),
             _ => {
-                let near = nearest(&key.to_lowercase(), known.iter().copied());
+                let near = nearest(key, known);
                 let near = near.map(|near| format!("did you mean `{near}`? "));
                 let near = near.unwrap_or_default();
                 format!("{near}Known here: {}", known.join(", "))
@@ -420,6 +420,16 @@ fn choices(schema: &Value) -> Vec<&str> {
     listed
         .chain(alternatives.filter_map(|a| a.get("const")?.as_str()))
         .collect()
+}
+
+/// The likeliest of what is known, if two fifths of the letters or more agree.
+fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
+    let given = given.to_lowercase();
+    let likeness = |known: &str| strsim::normalized_damerau_levenshtein(&given, known);
+    let all = known.iter().map(|known| (likeness(known), *known));
+    let best = all.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|(likeness, _)| *likeness > 0.39)
+        .map(|(_, known)| known)
 }
 
 fn list(choices: &[&str]) -> String {
