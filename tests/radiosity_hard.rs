@@ -222,10 +222,11 @@ fn positions_rounded_as_in_files_change_nothing() {
     };
     let plain = light(|p| p);
     let mut off = Deviations::default();
+    // Where rounding divides a wall into several planes their patches are others: points close to it see that, the room does not.
     let found = light(|p| p.as_vec3().as_dvec3());
-    same(&mut off, "rounded to f32", &found, &plain, SAME);
+    same(&mut off, "rounded to f32", &found, &plain, 4.0 * SAME);
     let found = light(|p| (1e6 * p).round() / 1e6);
-    same(&mut off, "six digits", &found, &plain, SAME);
+    same(&mut off, "six digits", &found, &plain, 4.0 * SAME);
     off.end();
 }
 
