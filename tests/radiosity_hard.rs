@@ -6,7 +6,7 @@ mod common;
 use common::build::{cuboid, quad};
 use common::receive::*;
 use common::rooms::{Opening, Shell, plan};
-use glam::{DVec3, dvec3};
+use glam::{DQuat, DVec3, dvec3};
 
 use std::time::Instant;
 use tyndall::conditions::Receiver;
@@ -200,6 +200,33 @@ fn needles_and_fine_meshes_change_nothing() {
         &plain,
         SAME,
     );
+    off.end();
+}
+
+/// Files hold positions as f32 or with six digits, so that triangles of one wall lie a little above and below each other.
+#[test]
+fn positions_rounded_as_in_files_change_nothing() {
+    let turn = DQuat::from_rotation_y(0.5);
+    let turned = points().into_iter().map(|p| Receiver {
+        position: turn * p.position,
+        normal: turn * p.normal,
+    });
+    let turned: Vec<Receiver> = turned.collect();
+    let light = |round: fn(DVec3) -> DVec3| {
+        let cut = |(t, r): &(Corners, f64)| {
+            let parts = quarters(*t, 2).into_iter();
+            grey(parts.map(|t| t.map(|p| round(turn * p))), *r)
+        };
+        let parts: Surfaces = study(0.0).iter().flat_map(cut).collect();
+        y(&receive(outside(surfaces(&parts)), &turned).total())
+    };
+    let plain = light(|p| p);
+    let mut off = Deviations::default();
+    // Where rounding divides a wall into several planes their patches are others: points close to it see that, the room does not.
+    let found = light(|p| p.as_vec3().as_dvec3());
+    same(&mut off, "rounded to f32", &found, &plain, 4.0 * SAME);
+    let found = light(|p| (1e6 * p).round() / 1e6);
+    same(&mut off, "six digits", &found, &plain, 4.0 * SAME);
     off.end();
 }
 

@@ -250,12 +250,19 @@ pub(super) fn faces(
         faces.push(Face::whole(plane, low, side));
     };
     for plane in &surfaces.planes {
-        for normal in [plane.normal, -plane.normal] {
+        let vertices = plane.triangles.iter().flat_map(|t| corners(conditions, *t));
+        let heights = vertices.map(|p| plane.height(p));
+        let (lowest, highest) = heights.fold((0.0f64, 0.0f64), |(low, high), height| {
+            (low.min(height), high.max(height))
+        });
+        for (normal, rise) in [(plane.normal, highest), (-plane.normal, -lowest)] {
             let piece = |triangle: &u32| {
                 let flat = corners(conditions, *triangle).map(|p| plane.flat(p));
                 (*triangle, flat.to_vec())
             };
+            // Positions are rounded in files: on each side it lies on the highest of its triangles, so that none of them shades it.
             let own = Plane {
+                origin: plane.origin + rise * normal,
                 normal,
                 triangles: Vec::new(),
                 ..plane.clone()
