@@ -662,7 +662,10 @@ fn grids_that_cannot_be_are_refused() {
             "cie:16",
         ),
         (&["--grid", "spaceing=1"], "did you mean `spacing`?"),
-        (&["--grid", "plane=0.85,hight=2"], "help: The keys are"),
+        (
+            &["--grid", "plane=0.85,hight=2"],
+            "the keys are plane, spacing",
+        ),
         (
             &["--grid", "spacing=1", "--set", "radiosity.pixels=1"],
             "it has sky, rays, outline",

@@ -73,9 +73,11 @@ impl GridSpec {
             };
             let key = key.trim();
             if !KEYS.contains(&key) {
-                let near = nearest(key, KEYS).map(|near| format!("did you mean `{near}`? "));
-                let near = near.unwrap_or_default();
-                let remedy = format!("{near}The keys are {}", KEYS.join(", "));
+                let keys = KEYS.join(", ");
+                let remedy = match nearest(key, KEYS) {
+                    Some(near) => format!("did you mean `{near}`? The keys are {keys}"),
+                    None => format!("the keys are {keys}"),
+                };
                 return Err(wrong(format!("there is no key `{key}`"), &remedy));
             }
             if seen.contains(&key) {
