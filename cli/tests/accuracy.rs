@@ -1,25 +1,13 @@
 //! `tyndall accuracy --effect shafts` and `--effect radiosity` from the outside: table, JSON, CSV, plot and pictures.
 
 mod common;
+#[path = "../../tests/common/gpu.rs"]
+mod gpu;
 
 use common::not_run;
+use gpu::gpu;
 use serde_json::Value;
 use std::path::Path;
-use tyndall::backend::gpu::adapters;
-
-/// Whether there is a graphics adapter; noted without one, a failure when `REQUIRE_GPU=1`.
-fn gpu(test: &str) -> bool {
-    let found = !adapters::report().adapters.is_empty();
-    if !found {
-        let required = std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1");
-        assert!(
-            !required,
-            "REQUIRE_GPU is 1 and there is no graphics adapter"
-        );
-        not_run(test, "there is no graphics adapter");
-    }
-    found
-}
 
 /// What a study prints.
 fn printed(folder: &Path, study: &[&str], more: &[&str]) -> String {
