@@ -321,14 +321,39 @@ fn a_jpeg_shows_what_the_png_shows_and_holds_its_key() {
     let mean = apart.iter().sum::<f64>() / apart.len() as f64;
     assert!(mean < 2.0, "{mean} codes in the mean");
     assert!(apart.iter().all(|d| *d <= 20.0), "{apart:?}");
-    // What was cut off on the way is not the picture of any key.
-    let bytes = std::fs::read(&paths[1]).expect("it is there");
-    std::fs::write(&paths[1], &bytes[..bytes.len() - 2]).expect("it is written");
-    assert_eq!(picture::key_of(&paths[1], Format::Jpeg), None);
     // A side has 16 bits there.
     let wide = Frame::map(65_536, 1, vec![Vec3::ONE; 65_536]);
     let refused = picture::write(&paths[1], Format::Jpeg, &wide, &rec709(), &[], 0.0);
     assert!(refused.is_err_and(|e| e.is_input()));
+}
+
+/// What was cut off on the way, or goes on where it ought to end, is not the picture of any key.
+#[test]
+fn a_picture_that_is_cut_off_has_no_key() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Rows that are written flat, in runs, and in bytes and runs.
+    for width in [5, 8, 200] {
+        let rgb = (0..width * 70).map(|i| match i % width < width / 2 {
+            true => Vec3::splat(3.0),
+            false => Vec3::new(1.0, 0.7, 0.3) * (1.0 + (0.1 * i as f32).sin()),
+        });
+        let mut frame = Frame::map(width, 70, rgb.collect());
+        frame.record.set("key", "0123abc");
+        for name in ["a.exr", "a.hdr", "a.png", "a.jpg"] {
+            let path = folder.path().join(name);
+            let format = Format::of(&path).expect("a format");
+            picture::write(&path, format, &frame, &rec709(), &[], 1.0).expect("it is written");
+            let key = || picture::key_of(&path, format);
+            assert_eq!(key().as_deref(), Some("0123abc"), "{name}, {width}");
+            let bytes = std::fs::read(&path).expect("it is there");
+            for left in [bytes.len() - 1, bytes.len() - 2, bytes.len() / 2, 40, 0] {
+                std::fs::write(&path, &bytes[..left]).expect("it is written");
+                assert_eq!(key(), None, "{left} of {} bytes of {name}", bytes.len());
+            }
+            std::fs::write(&path, [&bytes[..], b"more"].concat()).expect("it is written");
+            assert_eq!(key(), None, "more than {name}");
+        }
+    }
 }
 
 #[test]

@@ -9,7 +9,8 @@ use crate::error::Result;
 use crate::frame::{Frame, Value};
 use rayon::prelude::*;
 use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Write};
+use std::ops::Range;
 use std::path::Path;
 
 /// Writes the picture in `space`; what lies outside its gamut is cut off at zero, which is all that the format holds.
@@ -55,20 +56,63 @@ pub fn write(path: &Path, frame: &Frame, space: &OutputSpace) -> Result<()> {
 /// The key of the picture's record, if it has one.
 const KEY: &str = "TYNDALL_KEY";
 
-/// The key that an HDR holds.
-pub(super) fn key(path: &Path) -> std::io::Result<Option<String>> {
-    let head = BufReader::new(File::open(path)?.take(4096)).split(b'\n');
-    for line in head {
-        let line = line?;
-        if line.is_empty() {
-            break;
+/// The key that an HDR of [`write`] holds; nothing for a file that is cut off, goes on behind its rows, or is none of those.
+pub(super) fn key(path: &Path) -> io::Result<Option<String>> {
+    let mut file = BufReader::new(File::open(path)?);
+    let mut key = None;
+    // A header is short; another file may have no line at all.
+    for line in file.by_ref().take(4096).split(b'\n') {
+        let line = String::from_utf8(line?).unwrap_or_default();
+        if let Some(words) = line.strip_prefix(KEY) {
+            key = words.strip_prefix('=').map(str::to_owned);
         }
-        let words = line.strip_prefix(KEY.as_bytes());
-        if let Some(key) = words.and_then(|words| words.strip_prefix(b"=")) {
-            return Ok(String::from_utf8(key.to_vec()).ok());
+        let size = line
+            .strip_prefix("-Y ")
+            .and_then(|size| size.split_once(" +X "));
+        if let Some((height, width)) = size {
+            let whole = match (height.parse(), width.parse()) {
+                (Ok(height), Ok(width)) => ends_with_its_rows(&mut file, height, width)?,
+                _ => false,
+            };
+            return Ok(key.filter(|_| whole));
         }
     }
     Ok(None)
+}
+
+/// Whether `rows` rows of [`encoded_row`] are what is left of a file.
+fn ends_with_its_rows(file: &mut impl BufRead, rows: u64, width: usize) -> io::Result<bool> {
+    let skip = |file: &mut dyn BufRead, bytes: u64| {
+        let skipped = io::copy(&mut file.take(bytes), &mut io::sink())?;
+        match skipped == bytes {
+            true => Ok(()),
+            false => Err(io::Error::from(ErrorKind::UnexpectedEof)),
+        }
+    };
+    for _ in 0..rows {
+        if !IN_RUNS.contains(&width) {
+            skip(file, 4 * width as u64)?;
+            continue;
+        }
+        skip(file, 4)?;
+        for _ in 0..4 {
+            let mut left = width;
+            while left > 0 {
+                let mut code = [0];
+                file.read_exact(&mut code)?;
+                let (length, bytes) = match code[0] {
+                    run @ 129.. => (usize::from(run) - 128, 1),
+                    literal => (usize::from(literal), u64::from(literal)),
+                };
+                if length == 0 || length > left {
+                    return Ok(false);
+                }
+                skip(file, bytes)?;
+                left -= length;
+            }
+        }
+    }
+    Ok(file.fill_buf()?.is_empty())
 }
 
 /// Mantissas rounded down and the exponent that they share, 128 for a largest component in [0.5, 1).
@@ -85,9 +129,12 @@ fn rgbe(rgb: [f64; 3]) -> [u8; 4] {
     [r, g, b, (exponent + 128) as u8]
 }
 
+/// How long rows are that are written in runs.
+const IN_RUNS: Range<usize> = 8..0x8000;
+
 /// One row, the four components apart, each in runs; rows too short or long for that are written flat.
 fn encoded_row(row: &[[u8; 4]]) -> Vec<u8> {
-    if !(8..0x8000).contains(&row.len()) {
+    if !IN_RUNS.contains(&row.len()) {
         return row.concat();
     }
     let length = row.len() as u16;

@@ -273,6 +273,59 @@ impl Iterator for Reader {
     }
 }
 
+/// A plan file in so few lines that they can be held and drawn, however many frames it has.
+#[derive(Debug, Clone)]
+pub struct Outline {
+    /// The header.
+    pub header: Header,
+    /// The line of every so many frames, from the first, and that of the last; not empty.
+    pub lines: Vec<FrameLine>,
+    /// From which frame to which next one `lines` go: 1 where all are there.
+    pub every: u64,
+    /// Predicted time of all frames on the machine that planned [s].
+    pub predicted_seconds: f64,
+}
+
+impl Outline {
+    /// Reads a plan file and keeps `most` lines and that of the last frame, or all where there are no more.
+    ///
+    /// # Errors
+    /// Those of [`Reader`]; [`Error::Input`] where it has more or fewer frames than its header says, or none.
+    pub fn read(path: &Path, most: u64) -> Result<Self> {
+        let reader = Reader::open(path)?;
+        let header = reader.header.clone();
+        let every = header.frames.div_ceil(most.max(1)).max(1);
+        let (mut lines, mut last, mut predicted_seconds) = (Vec::new(), None, 0.0);
+        let mut count = 0;
+        for line in reader {
+            let line = line?;
+            predicted_seconds += line.predicted_seconds;
+            last = match count % every {
+                0 => {
+                    lines.push(line);
+                    None
+                }
+                _ => Some(line),
+            };
+            count += 1;
+        }
+        lines.extend(last);
+        if count != header.frames || count == 0 {
+            return Err(Error::input(
+                path.display().to_string(),
+                format!("it has {count} frames and speaks of {}", header.frames),
+                "plan again",
+            ));
+        }
+        Ok(Outline {
+            header,
+            lines,
+            every,
+            predicted_seconds,
+        })
+    }
+}
+
 fn parse<T: DeserializeOwned>(path: &Path, number: usize, line: &str) -> Result<T> {
     serde_json::from_str(line).map_err(|error| {
         Error::input(
@@ -359,6 +412,30 @@ mod tests {
             Err(Error::Stopped)
         ));
         assert_eq!(Reader::open(&path).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn an_outline_of_any_length_is_short() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("plan");
+        let of = |frames: u64, most| {
+            let header = Header { frames, ..header() };
+            write(&path, &header, (1..=frames).map(|index| Ok(line(index)))).unwrap();
+            let outline = Outline::read(&path, most).unwrap();
+            assert_eq!(outline.predicted_seconds, 0.5 * frames as f64);
+            let indices = outline.lines.iter().map(|line| line.index);
+            (outline.every, indices.collect::<Vec<_>>())
+        };
+        assert_eq!(of(1, 4), (1, vec![1]));
+        assert_eq!(of(4, 4), (1, vec![1, 2, 3, 4]));
+        assert_eq!(of(7, 4), (2, vec![1, 3, 5, 7]));
+        assert_eq!(of(10, 4), (3, vec![1, 4, 7, 10]));
+        assert_eq!(of(12, 4), (3, vec![1, 4, 7, 10, 12]));
+        let (every, long) = of(2001, 40);
+        assert!(every == 51 && long.len() == 41 && long.last() == Some(&2001));
+        // One frame fewer than its header says.
+        write(&path, &header(), [Ok(line(1))]).unwrap();
+        assert!(Outline::read(&path, 4).is_err_and(|e| e.is_input()));
     }
 
     #[test]

@@ -58,7 +58,7 @@ impl Outputs {
         self.of(index).all(|(path, _)| path.exists())
     }
 
-    /// Whether all files of a frame are there, whole (of HDR it is taken for granted), and of this key.
+    /// Whether all files of a frame are there, whole, and of this key.
     pub fn are_of(&self, index: u64, key: &str) -> bool {
         self.of(index).all(|(path, format)| {
             output::picture::key_of(&path, format).is_some_and(|found| found == key)

@@ -12,7 +12,7 @@ use tyndall::task::Task;
 use tyndall::timelapse::cluster::Job;
 use tyndall::timelapse::film::{self, Film, Maker};
 use tyndall::timelapse::frames::{Frames, Rate};
-use tyndall::timelapse::plan::{FrameLine, Header, Reader};
+use tyndall::timelapse::plan::Outline;
 use tyndall::timelapse::template::{self, Template};
 use tyndall::warning::Warning;
 use tyndall::{Error, Result};
@@ -77,6 +77,9 @@ const OF_EMIT: [(&str, bool); 5] = [
     ("--json", false),
 ];
 
+/// How many frames sheet, curves and page tell of at most; of longer sequences every so many, so that memory does not grow with them.
+const MOST_LINES: u64 = 10_000;
+
 /// What is made.
 #[derive(Debug, Default, PartialEq)]
 struct Wanted {
@@ -84,13 +87,6 @@ struct Wanted {
     sheet: Option<PathBuf>,
     curves: Option<PathBuf>,
     page: Option<PathBuf>,
-}
-
-/// The plan of a sequence, read.
-struct Planned {
-    file: PathBuf,
-    header: Header,
-    lines: Vec<FrameLine>,
 }
 
 impl FilmArgs {
@@ -194,17 +190,17 @@ impl FilmArgs {
     /// # Errors
     /// Those of reading the plan and the frames, of [`film::make`], and of writing files.
     pub fn make(&self, plan: &Path, warnings: &[Warning], task: Task) -> Result<Value> {
-        let planned = Planned::read(plan)?;
-        let outputs = planned.header.templates()?;
+        let outline = Outline::read(plan, MOST_LINES)?;
+        let outputs = outline.header.templates()?;
         let wanted = self.wanted(plan, &outputs);
         if wanted == Wanted::default() {
             return Ok(Value::Null);
         }
         let frames = png_of(&outputs).map(|template| Frames {
             template: template.clone(),
-            indices: planned.header.indices(),
+            indices: outline.header.indices(),
         });
-        let title = timelapse_page::title(&planned.header, &planned.lines);
+        let title = timelapse_page::title(&outline);
         let film = match (&wanted.film, &frames) {
             (Some(path), Some(frames)) => Some(self.film(path, frames, task)?),
             _ => None,
@@ -212,7 +208,7 @@ impl FilmArgs {
         let sheet = match &frames {
             Some(frames) if wanted.sheet.is_some() || wanted.page.is_some() => {
                 task.check()?;
-                let sheet = contact_sheet::draw(&title, frames, &planned.lines)?;
+                let sheet = contact_sheet::draw(&title, frames, &outline)?;
                 Some(sheet.png()?)
             }
             _ => None,
@@ -220,7 +216,7 @@ impl FilmArgs {
         if let (Some(path), Some(sheet)) = (&wanted.sheet, &sheet) {
             atomic::write(path, |file| file.write_all(sheet))?;
         }
-        let curves = timelapse_curves::draw(&title, &planned.header, &planned.lines);
+        let curves = timelapse_curves::draw(&title, &outline);
         if let Some(path) = &wanted.curves {
             curves.save(path)?;
         }
@@ -230,13 +226,12 @@ impl FilmArgs {
                 .as_ref()
                 .map(|film| timelapse_page::address(path, &film.file));
             let page = timelapse_page::Page {
-                header: &planned.header,
-                lines: &planned.lines,
+                outline: &outline,
                 warnings: &warnings,
                 film: film.as_ref().zip(address.as_deref()),
                 sheet: sheet.as_deref(),
                 curves: &curves.svg(),
-                plan: &planned.file,
+                plan,
             };
             atomic::write(path, |file| file.write_all(page.html().as_bytes()))?;
         }
@@ -304,30 +299,6 @@ impl FilmArgs {
         let mut out = std::io::stdout().lock();
         let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
         written.map_err(|e| Error::writing(Path::new("standard output"), e))
-    }
-}
-
-impl Planned {
-    fn read(file: &Path) -> Result<Self> {
-        let reader = Reader::open(file)?;
-        let header = reader.header.clone();
-        let lines = reader.collect::<Result<Vec<_>>>()?;
-        if lines.len() as u64 != header.frames || lines.is_empty() {
-            return Err(Error::input(
-                file.display().to_string(),
-                format!(
-                    "it has {} frames and speaks of {}",
-                    lines.len(),
-                    header.frames
-                ),
-                "plan again",
-            ));
-        }
-        Ok(Planned {
-            file: file.to_owned(),
-            header,
-            lines,
-        })
     }
 }
 

@@ -5,13 +5,13 @@ use tyndall::output::canvas::Color;
 use tyndall::output::drawing::{Drawing, PIXELS};
 use tyndall::output::lettering::Anchor;
 use tyndall::timelapse::frames::{Frames, read_pixels};
-use tyndall::timelapse::plan::FrameLine;
+use tyndall::timelapse::plan::{FrameLine, Outline};
 
 const INK: Color = [25, 25, 25];
 const QUIET: Color = [110, 110, 110];
 
 /// The most pictures on a sheet; of longer sequences it shows every so many.
-pub const MOST: u64 = 120;
+pub const MOST: usize = 120;
 const COLUMNS: usize = 8;
 
 /// Units of the drawing.
@@ -21,13 +21,13 @@ const GAP: f64 = 8.0;
 const HEAD: f64 = 46.0;
 const LABEL: f64 = 15.0;
 
-/// Draws a sheet of the frames whose PNGs are `frames`; `lines` are their lines of the plan, in order.
+/// Draws a sheet of the frames whose PNGs are `frames`; `outline` is of their plan.
 ///
 /// # Errors
 /// [`Input`](tyndall::Error::Input) when there is no frame, or for a PNG that cannot be read; [`File`](tyndall::Error::File) for one that is missing.
-pub fn draw(title: &str, frames: &Frames, lines: &[FrameLine]) -> Result<Drawing> {
-    let step = (lines.len() as u64).div_ceil(MOST).max(1) as usize;
-    let shown: Vec<&FrameLine> = lines.iter().step_by(step).collect();
+pub fn draw(title: &str, frames: &Frames, outline: &Outline) -> Result<Drawing> {
+    let step = outline.lines.len().div_ceil(MOST).max(1);
+    let shown: Vec<&FrameLine> = outline.lines.iter().step_by(step).collect();
     let [width, height] = frames.size()?;
     let scale = PIXELS * WIDTH / f64::from(width);
     let side = |length: u32| ((scale * f64::from(length)).round() as u32).max(1);
@@ -42,9 +42,10 @@ pub fn draw(title: &str, frames: &Frames, lines: &[FrameLine]) -> Result<Drawing
     let wide = (columns as f64 * (WIDTH + GAP) - GAP).max(3.0 * WIDTH);
     let mut sheet = Drawing::new(2.0 * MARGIN + wide, HEAD + rows as f64 * row + MARGIN - GAP);
     sheet.text([MARGIN, 18.0], 15.0, Anchor::Start, INK, title);
-    let count = match step {
-        1 => format!("{} frames", lines.len()),
-        step => format!("every {step}. of {} frames", lines.len()),
+    let frames_there = outline.header.frames;
+    let count = match step as u64 * outline.every {
+        1 => format!("{frames_there} frames"),
+        step => format!("every {step}. of {frames_there} frames"),
     };
     sheet.text([MARGIN, 35.0], 10.0, Anchor::Start, QUIET, count);
     let clock = Clock::of(&shown);

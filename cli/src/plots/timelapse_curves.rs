@@ -5,7 +5,7 @@ use chrono::{DateTime, FixedOffset, TimeDelta, Timelike};
 use tyndall::output::canvas::Color;
 use tyndall::output::drawing::Drawing;
 use tyndall::output::lettering::Anchor;
-use tyndall::timelapse::plan::{ExposurePlan, FrameLine, Header};
+use tyndall::timelapse::plan::{ExposurePlan, FrameLine, Header, Outline};
 
 const INK: Color = [25, 25, 25];
 const QUIET: Color = [110, 110, 110];
@@ -86,8 +86,8 @@ fn ticks(range: [f64; 2], step: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |i| i as f64 * step)
 }
 
-/// Draws both panels. `lines` are not empty.
-pub fn draw(title: &str, header: &Header, lines: &[FrameLine]) -> Drawing {
+/// Draws both panels.
+pub fn draw(title: &str, Outline { header, lines, .. }: &Outline) -> Drawing {
     let mut drawing = Drawing::new(SIZE[0], SIZE[1]);
     drawing.text([PATH[0], 24.0], 19.0, Anchor::Start, INK, title);
     sun_path(&mut drawing, lines);

@@ -7,14 +7,12 @@ use tyndall::output::drawing::{data_link, escaped};
 use tyndall::timelapse::cluster;
 use tyndall::timelapse::film::Film;
 use tyndall::timelapse::frames::Rate;
-use tyndall::timelapse::plan::{ExposurePlan, FrameLine, Header};
+use tyndall::timelapse::plan::{ExposurePlan, Header, Outline};
 
 /// What a page tells.
 pub struct Page<'a> {
-    /// The first line of the plan file.
-    pub header: &'a Header,
-    /// The others; not empty.
-    pub lines: &'a [FrameLine],
+    /// The plan file, in few lines.
+    pub outline: &'a Outline,
     /// What was left out, is doubtful or approximate.
     pub warnings: &'a [String],
     /// The film, and its address from the page.
@@ -36,7 +34,7 @@ const STYLE: &str = "body { margin: 2em auto; max-width: 1200px; padding: 0 1em;
     summary { cursor: pointer } .quiet { color: #6e6e6e }";
 
 /// What a sequence is called: its scene and its days.
-pub fn title(header: &Header, lines: &[FrameLine]) -> String {
+pub fn title(Outline { header, lines, .. }: &Outline) -> String {
     let days = [lines.first(), lines.last()];
     let [first, last] = days.map(|l| l.and_then(|l| l.local.get(..10)).unwrap_or_default());
     match first == last {
@@ -48,7 +46,7 @@ pub fn title(header: &Header, lines: &[FrameLine]) -> String {
 impl Page<'_> {
     /// The page.
     pub fn html(&self) -> String {
-        let title = escaped(&title(self.header, self.lines));
+        let title = escaped(&title(self.outline));
         let mut html = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
@@ -93,11 +91,10 @@ impl Page<'_> {
 
     /// Names and values, the latter HTML.
     fn facts(&self) -> Vec<(&'static str, String)> {
-        let Header { site, size, .. } = self.header;
-        let header = self.header;
+        let Outline { header, lines, .. } = self.outline;
+        let Header { site, size, .. } = header;
         let code = |text: &str| format!("<code>{}</code>", escaped(text));
-        let ends = [self.lines.first(), self.lines.last()].map(|l| l.map_or("", |l| &*l.local));
-        let seconds: f64 = self.lines.iter().map(|line| line.predicted_seconds).sum();
+        let ends = [lines.first(), lines.last()].map(|l| l.map_or("", |l| &*l.local));
         let mut facts = vec![
             ("scene", escaped(&header.scene)),
             (
@@ -116,11 +113,11 @@ impl Page<'_> {
                 "frames",
                 format!(
                     "{} of {} x {} pixels, numbers {} to {}",
-                    self.lines.len(),
+                    header.frames,
                     size[0],
                     size[1],
-                    self.lines.first().map_or(0, |line| line.index),
-                    self.lines.last().map_or(0, |line| line.index)
+                    header.first,
+                    header.indices().end - 1
                 ),
             ),
             (
@@ -143,7 +140,10 @@ impl Page<'_> {
             ),
             (
                 "predicted time",
-                format!("{} of one machine", duration(seconds)),
+                format!(
+                    "{} of one machine",
+                    duration(self.outline.predicted_seconds)
+                ),
             ),
         ];
         if let Some((film, _)) = self.film {
@@ -185,15 +185,27 @@ impl Page<'_> {
         facts
     }
 
-    /// All frames.
+    /// All frames, or every so many.
     fn table(&self, html: &mut String) {
+        let Outline {
+            header: Header { frames, .. },
+            lines,
+            every,
+            ..
+        } = self.outline;
+        let which = match every {
+            1 => format!("{frames} frames"),
+            every => format!(
+                "the first of every {every} of {frames} frames, and the last; all are in <code>{}</code>",
+                escaped(&self.plan.display().to_string())
+            ),
+        };
         let _ = write!(
             html,
-            "<h2>Frames</h2>\n<details><summary>{} frames</summary>\n<table class=\"frames\">\n<tr><th>number</th><th>local time</th>\
-             <th>sun's azimuth</th><th>elevation</th><th>EV100</th><th>predicted [s]</th><th>key</th><th>skipped effects</th></tr>\n",
-            self.lines.len()
+            "<h2>Frames</h2>\n<details><summary>{which}</summary>\n<table class=\"frames\">\n<tr><th>number</th><th>local time</th>\
+             <th>sun's azimuth</th><th>elevation</th><th>EV100</th><th>predicted [s]</th><th>key</th><th>skipped effects</th></tr>\n"
         );
-        for line in self.lines {
+        for line in lines {
             let _ = writeln!(
                 html,
                 "<tr><td>{}</td><td>{}</td><td>{:.2}°</td><td>{:.2}°</td><td>{:.2}</td><td>{:.1}</td><td><code>{}</code></td>\
