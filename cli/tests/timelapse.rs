@@ -169,14 +169,31 @@ fn what_is_there_stays_and_what_is_not_or_differs_is_made() {
     std::fs::remove_file(out.join("f_0002.exr")).expect("it is there");
     std::fs::write(out.join("f_0003.exr"), &made["f_0003.exr"][..2000]).expect("it is cut off");
     std::fs::copy(out.join("f_0001.png"), out.join("f_0005.png")).expect("it is another");
-    let json = tyndall(folder, &both(&["--json"]));
+    let json = tyndall(
+        folder,
+        &both(&["--json", "--check", "16", "--report", "r.json"]),
+    );
     let told: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON");
+    let report = std::fs::read(folder.join("r.json")).expect("the report");
+    assert_eq!(report, json.stdout);
+    // Frames that are made are measured, and told one by one.
+    let worst = told["check"]["worst_frame"].as_u64();
+    assert!(
+        worst.is_some_and(|frame| [2, 3, 5].contains(&frame)),
+        "{told}"
+    );
+    assert_eq!(stderr(&json).matches("relative RMSE").count(), 3);
     assert_eq!((&told["made"], &told["there"]), (&3.into(), &2.into()));
     assert_eq!(frames(&out), made);
     let after = times(&out);
     for name in ["f_0001.exr", "f_0001.png", "f_0004.exr", "f_0004.png"] {
         assert_eq!(after[name], begun[name], "{name}");
     }
+    // Too far from the reference, and yet there.
+    std::fs::remove_file(out.join("f_0004.png")).expect("it is there");
+    let strict = tyndall(folder, &both(&["--check", "16", "--fail-above", "0"]));
+    assert_eq!(strict.status.code(), Some(1), "{}", stderr(&strict));
+    assert!(out.join("f_0004.png").exists());
     // Only what has no file, whatever the settings.
     std::fs::remove_file(out.join("f_0004.png")).expect("it is there");
     let missing = run(folder, &both(&["--only", "missing", "--samples", "2"]));

@@ -118,6 +118,20 @@ impl Sequence {
         self.asked.conditions.at(&self.asked.when.text(utc))
     }
 
+    /// The conditions of a frame, by its line of the plan.
+    ///
+    /// # Errors
+    /// Those of [`Conditions::at`].
+    pub fn conditions_of(&self, line: &FrameLine) -> Result<Conditions> {
+        let number = line.index - self.asked.first;
+        self.conditions(self.asked.when.get(number)?)
+    }
+
+    /// What overrules the plans of its frames.
+    pub fn overrules(&self) -> &Overrules {
+        &self.asked.overrules
+    }
+
     /// Where the sun stands at a frame, as a unit vector: much cheaper than all conditions.
     fn toward_sun(&self, number: u64) -> Result<DVec3> {
         let request = self.asked.conditions.request();
@@ -399,14 +413,12 @@ impl Sequence {
         progress: Progress,
     ) -> Result<Rendered> {
         let Asked {
-            when,
             overrules,
             layers,
             space,
-            first,
             ..
         } = &self.asked;
-        let conditions = self.conditions(when.get(line.index - first)?)?;
+        let conditions = self.conditions_of(line)?;
         let plan = Plan::new(&conditions, overrules)?;
         let mut rendered = backend.render(&plan, limits, progress)?;
         let record = &mut rendered.frame.record;

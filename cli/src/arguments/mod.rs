@@ -1,6 +1,7 @@
 //! The flags that several commands share, and what their values mean.
 
 pub mod backend;
+pub mod check;
 pub mod form;
 pub mod grid;
 pub mod hinted;

@@ -1,5 +1,6 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
+use crate::arguments::check::CheckArgs;
 use crate::arguments::grid::scale;
 use crate::arguments::memory::MemoryArgs;
 use crate::arguments::picture::PictureArgs;
@@ -9,13 +10,12 @@ use crate::tables::{stdout, work};
 use crate::targets::{FormatArgs, Targets};
 use crate::tell;
 use clap::Args;
-use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 use tyndall::Result;
 use tyndall::backend::Rendered;
-use tyndall::backend::check::{Check, Yardstick};
+use tyndall::backend::check::Check;
 use tyndall::backend::choose::choose;
 use tyndall::backend::convergence::Convergence;
 use tyndall::colour::{exposure, luminance};
@@ -34,12 +34,6 @@ pub struct RenderArgs {
     view: ViewArgs,
     #[command(flatten)]
     plan: PlanArgs,
-    /// Compare about N random pixels with the reference at its finest, and report the measured error
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    check: Option<u64>,
-    /// With --check: fail (exit status 1) when the picture's relative RMSE is above X
-    #[arg(long, value_name = "X", requires = "check", value_parser = share)]
-    fail_above: Option<f64>,
     /// A file to write, by its ending .png, .jpg, .exr or .hdr, or - for standard output; may be repeated [default: tyndall.png and tyndall.exr]
     #[arg(short, long, value_name = "FILE|-")]
     output: Vec<PathBuf>,
@@ -50,9 +44,8 @@ pub struct RenderArgs {
     false_colour: Option<Scale>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Write what was done to a JSON file
-    #[arg(long, value_name = "FILE.json", value_parser = PathBufValueParser::new().try_map(report_file))]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    check: CheckArgs,
     /// Print what was done as JSON
     #[arg(long)]
     json: bool,
@@ -87,7 +80,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     for file in files {
         output::check_apart("-o", file, &in_use)?;
     }
-    if let Some(report) = &args.report {
+    if let Some(report) = &args.check.report {
         in_use.extend(files.iter().map(|file| (file.clone(), "the picture")));
         output::check_apart("--report", report, &in_use)?;
     }
@@ -153,7 +146,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         tell::convergence(convergence);
     }
     tell::files(files);
-    let check = check(args, &conditions, &rendered.frame)?;
+    let overrules = args.plan.overrules();
+    let check = args
+        .check
+        .measure(&conditions, &overrules, &rendered.frame)?;
+    if let Some(check) = &check {
+        tell::check(&work::check_lines(check));
+    }
     let work = work::details(&backend, &rendered);
     let report = report(
         &plan,
@@ -164,40 +163,18 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         (check.as_ref(), convergence.as_ref()),
         odd.as_ref(),
     );
-    if let Some(path) = &args.report {
+    if let Some(path) = &args.check.report {
         output::report::write(path, &report)?;
     }
     if args.json {
         stdout::print_json(&report)?;
     }
-    match (check, args.fail_above) {
-        (Some(check), Some(most)) if !check.picture().relative_rmse.le(&most) => {
-            Err(Error::failed(
-                format!(
-                    "the picture's relative RMSE is {:.3e}, above {most}",
-                    check.picture().relative_rmse
-                ),
-                "use a higher --quality, or allow more with --fail-above",
-            ))
-        }
-        _ => Ok(()),
-    }
+    check.map_or(Ok(()), |check| args.check.judge("the picture", &check))
 }
 
 /// On how many pixels it is measured how far points of the sun's disc are from converged: few against the picture's own.
 fn pixels_to_converge(frame: &Frame) -> usize {
     (frame.pixels() / 32).clamp(64, 1024)
-}
-
-/// The measured error, if it was asked for. It is compared with the reference at its finest, with the same effects.
-fn check(args: &RenderArgs, conditions: &Conditions, frame: &Frame) -> Result<Option<Check>> {
-    let Some(count) = args.check else {
-        return Ok(None);
-    };
-    let finest = Plan::new(conditions, &args.plan.overrules().finest())?;
-    let check = Yardstick::new(&finest, count as usize)?.check(frame)?;
-    tell::check(&work::check_lines(&check));
-    Ok(Some(check))
 }
 
 /// The exposure that the picture's own luminances call for [EV100]; nothing for a black one.
@@ -232,19 +209,4 @@ fn report(
         "layers": layers,
         "files": files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
     })
-}
-
-/// A report's file: what standard output has is asked for otherwise.
-fn report_file(path: PathBuf) -> Result<PathBuf, &'static str> {
-    match path == Path::new("-") {
-        true => Err("a file is named here; --json prints the same on standard output"),
-        false => Ok(path),
-    }
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(share) if share >= 0.0 && share.is_finite() => Ok(share),
-        _ => Err("a share of 0 or more was expected, as in 0.02".into()),
-    }
 }

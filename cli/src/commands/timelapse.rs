@@ -1,5 +1,6 @@
 //! `tyndall timelapse`: frames over a range of times.
 
+use crate::arguments::check::CheckArgs;
 use crate::arguments::memory::MemoryArgs;
 use crate::arguments::picture::PictureArgs;
 use crate::arguments::scene::{PlanArgs, ViewArgs};
@@ -16,12 +17,14 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 use tyndall::Result;
+use tyndall::backend::check::Check;
 use tyndall::backend::choose::choose;
 use tyndall::backend::{Backend, Limits, Step};
 use tyndall::conditions::Request;
 use tyndall::ephemeris::Site;
 use tyndall::ephemeris::civil::{self, Reading};
 use tyndall::error::Error;
+use tyndall::frame::Frame;
 use tyndall::output;
 use tyndall::plan::Plan;
 use tyndall::scene::Scene;
@@ -81,6 +84,8 @@ pub struct TimelapseArgs {
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
     #[command(flatten)]
+    check: CheckArgs,
+    #[command(flatten)]
     film: FilmArgs,
     /// Say what would be done, how long it would take and how much room, and write nothing
     #[arg(long)]
@@ -123,6 +128,12 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     output::check_apart("the plan file", &plan_file, &in_use)?;
     let indices = first..first.saturating_add(count);
     template::check_apart(&outputs, &indices, &in_use)?;
+    let mut in_use = in_use;
+    if let Some(report) = &args.check.report {
+        output::check_apart("--report", report, &in_use)?;
+        template::check_apart(&outputs, &indices, &[(report.clone(), "the report")])?;
+        in_use.push((report.clone(), "the report"));
+    }
     if !args.dry_run {
         if !args.film.emits() {
             for template in &outputs {
@@ -284,6 +295,15 @@ struct Work {
     seconds: f64,
 }
 
+/// What has come of them.
+#[derive(Default)]
+struct Done {
+    made: u64,
+    there: u64,
+    /// The frame that is furthest from the reference, if they are measured.
+    worst: Option<(u64, Check)>,
+}
+
 impl Run<'_> {
     /// The plan file, which is written if it is not there.
     fn planned(&self, backend: &mut Backend) -> Result<Reader> {
@@ -400,28 +420,66 @@ impl Run<'_> {
                 work.there
             ),
         );
-        let (mut made, mut there) = (0, work.there);
-        let done = self.frames(&work, backend, &mut made, &mut there);
-        if done.is_err() {
+        let mut done = Done {
+            there: work.there,
+            ..Done::default()
+        };
+        let ended = self.frames(&work, backend, &mut done);
+        let made = done.made;
+        if ended.is_err() {
             tell::line(
                 "made",
                 format!("{made} frames, which are whole; the same command goes on"),
             );
         }
-        done?;
+        ended?;
         let seconds = start.elapsed().as_secs_f64();
         tell::line("made", format!("{made} frames in {}", duration(seconds)));
         let film = self.film()?;
-        if self.args.json {
-            stdout::print_json(&json!({
-                "schema": 1,
-                "plan": self.plan_file.to_string_lossy(),
-                "made": made,
-                "there": there,
-                "seconds": seconds,
-                "warnings": self.warnings.iter().chain(&odd).collect::<Vec<_>>(),
-                "assembled": film,
-            }))?;
+        let worst = done.worst.as_ref();
+        self.report(&json!({
+            "schema": 1,
+            "plan": self.plan_file.to_string_lossy(),
+            "made": made,
+            "there": done.there,
+            "seconds": seconds,
+            "warnings": self.warnings.iter().chain(&odd).collect::<Vec<_>>(),
+            "check": worst.map(|(frame, check)| json!({ "worst_frame": frame, "check": check })),
+            "assembled": film,
+        }))?;
+        match worst {
+            Some((frame, check)) => self.args.check.judge(&format!("frame {frame}"), check),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes and prints what was done, as it was asked for.
+    fn report(&self, report: &serde_json::Value) -> Result<()> {
+        if let Some(path) = &self.args.check.report {
+            output::report::write(path, report)?;
+        }
+        match self.args.json {
+            true => stdout::print_json(report),
+            false => Ok(()),
+        }
+    }
+
+    /// Measures a frame, if that was asked for, and keeps the worst.
+    fn measure(&self, line: &FrameLine, frame: &Frame, done: &mut Done) -> Result<()> {
+        let conditions = self.sequence.conditions_of(line)?;
+        let check = &self.args.check;
+        let Some(found) = check.measure(&conditions, self.sequence.overrules(), frame)? else {
+            return Ok(());
+        };
+        let error = |check: &Check| check.picture().relative_rmse;
+        tell::line(
+            "check",
+            format!("frame {}: relative RMSE {:.3e}", line.index, error(&found)),
+        );
+        // What is no number is worse than any.
+        let is_worse = |(_, worst): &(u64, Check)| error(&found).total_cmp(&error(worst)).is_gt();
+        if done.worst.as_ref().is_none_or(is_worse) {
+            done.worst = Some((line.index, found));
         }
         Ok(())
     }
@@ -452,19 +510,10 @@ impl Run<'_> {
             });
         }
         let made = self.film()?;
-        match self.args.json {
-            true => stdout::print_json(&json!({ "schema": 1, "assembled": made })),
-            false => Ok(()),
-        }
+        self.report(&json!({ "schema": 1, "assembled": made }))
     }
 
-    fn frames(
-        &self,
-        work: &Work,
-        backend: &mut Backend,
-        made: &mut u64,
-        there: &mut u64,
-    ) -> Result<()> {
+    fn frames(&self, work: &Work, backend: &mut Backend, done: &mut Done) -> Result<()> {
         let start = Instant::now();
         let bar = tell::bar();
         let (mut predicted, mut todo) = (0.0, work.frames.iter().copied().peekable());
@@ -485,7 +534,7 @@ impl Run<'_> {
             }
             // Another process may have made it in the meantime.
             if self.sequence.outputs().are_of(line.index, &line.key) {
-                *there += 1;
+                done.there += 1;
                 continue;
             }
             let left = |predicted: f64| match predicted > 0.0 {
@@ -496,7 +545,7 @@ impl Run<'_> {
             let words = format!(
                 "frame {}, {} of {}, {} left",
                 line.index,
-                *made + 1,
+                done.made + 1,
                 work.frames.len(),
                 duration(left(before))
             );
@@ -508,17 +557,20 @@ impl Run<'_> {
                 }
             };
             let begun = Instant::now();
-            self.sequence
+            let rendered = self
+                .sequence
                 .render(&line, backend, self.limits, &progress)?;
-            *made += 1;
+            done.made += 1;
+            self.measure(&line, &rendered.frame, done)?;
             predicted += line.predicted_seconds;
             if bar.takes_lines() {
                 bar.spoke();
                 tell::line(
                     "frame",
                     format!(
-                        "{}, {made} of {}, {:.2} s; {} left",
+                        "{}, {} of {}, {:.2} s; {} left",
                         line.index,
+                        done.made,
                         work.frames.len(),
                         begun.elapsed().as_secs_f64(),
                         duration(left(predicted))
@@ -549,7 +601,10 @@ fn exposure(header: &Header) -> String {
 /// The command line that makes the frames of the whole sequence: without what chooses a part of it, how it is told, and what is made of
 /// them.
 fn command(arguments: &[OsString]) -> String {
-    const PARTS: [(&str, bool); 8] = [
+    const PARTS: [(&str, bool); 11] = [
+        ("--check", true),
+        ("--fail-above", true),
+        ("--report", true),
         ("--only", true),
         ("--quiet", false),
         ("-q", false),

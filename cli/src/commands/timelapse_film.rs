@@ -40,7 +40,7 @@ pub struct FilmArgs {
     #[arg(long, conflicts_with_all = ["emit", "shard", "only"])]
     assemble: bool,
     /// Print a job that makes the frames in shards on a cluster and puts them together, and render nothing
-    #[arg(long, value_name = "ENGINE", value_enum, conflicts_with_all = ["shard", "only"])]
+    #[arg(long, value_name = "ENGINE", value_enum, conflicts_with_all = ["shard", "only", "report"])]
     emit: Option<Engine>,
     /// With --emit: how many shards
     #[arg(long, value_name = "N", default_value_t = 8)]
