@@ -647,11 +647,12 @@ fn a_ball_of_thousands_of_triangles_lights_as_a_ball() {
     );
 }
 
-#[test]
-fn a_sign_that_was_lost_by_day_lights_its_room_by_night() {
-    let room = cuboid(dvec3(-2.0, 0.0, -2.0), dvec3(2.0, 3.0, 2.0));
+/// A room with a sign in it in a place where the sun shines, seen at noon; its wall of +Z is there or not.
+fn room_with_a_sign(is_shut: bool, luminance: f64) -> Conditions {
+    let mut room = cuboid(dvec3(-2.0, 0.0, -2.0), dvec3(2.0, 3.0, 2.0));
+    room.retain(|corners| is_shut || !corners.iter().all(|corner| corner.z == 2.0));
     let sign = panel(dvec3(-0.5, 1.2, -1.9), DVec3::X, DVec3::Y);
-    let mut scene = glowing(&room, &sign, DVec3::splat(0.5));
+    let mut scene = glowing(&room, &sign, DVec3::splat(luminance));
     scene.site = Some(SiteEntry {
         latitude_deg: 47.0,
         longitude_deg: 4.0,
@@ -660,27 +661,52 @@ fn a_sign_that_was_lost_by_day_lights_its_room_by_night() {
     });
     scene.time = Some("2026-06-21T12:00".into());
     let camera = Camera::look_at(dvec3(0.0, 1.5, 1.5), DVec3::NEG_Z, 1.0);
-    let noon = conditions(scene, camera, [8, 8]);
-    let is_said = |w: &tyndall::Warning| w.message().contains("is little beside");
-    assert!(noon.lamps.is_empty() && noon.warnings.iter().any(is_said));
-    let night = noon.at("2026-06-21T23:59").expect("the time is sound");
-    assert_eq!(night.lamps.len(), 1);
+    conditions(scene, camera, [8, 8])
+}
+
+/// What a backend shows of a field.
+fn shown(backend: &mut Backend, seen: &Conditions, field: Field) -> Vec<DVec3> {
     let overrules = Overrules {
         set: LEAST.iter().map(|(k, v)| (k.to_string(), *v)).collect(),
         ..Overrules::default()
     };
-    let by = |backend: &mut Backend, seen: &Conditions| {
-        let plan = Plan::new(seen, &overrules).expect("the plan is sound");
-        let rendered = backend.render(&plan, &Limits::default(), &|_| {});
-        let frame = rendered.expect("it can be rendered").frame;
-        layer(&frame, Field::Indirect)
-    };
+    let plan = Plan::new(seen, &overrules).expect("the plan is sound");
+    let rendered = backend.render(&plan, &Limits::default(), &|_| {});
+    let frame = rendered.expect("it can be rendered").frame;
+    layer(&frame, field)
+}
+
+#[test]
+fn a_sign_that_was_lost_by_day_lights_its_room_by_night() {
+    let noon = room_with_a_sign(false, 0.5);
+    let is_said = |w: &tyndall::Warning| w.message().contains("is little beside");
+    assert!(noon.lamps.is_empty() && noon.warnings.iter().any(is_said));
+    let night = noon.at("2026-06-21T23:59").expect("the time is sound");
+    assert_eq!(night.lamps.len(), 1);
     let mut kept = Backend::open(Wanted::Reference).expect("there is one");
-    by(&mut kept, &noon);
+    shown(&mut kept, &noon, Field::Indirect);
     let mut fresh = Backend::open(Wanted::Reference).expect("there is one");
-    let found = by(&mut kept, &night);
+    let found = shown(&mut kept, &night, Field::Indirect);
     assert!(found.iter().any(|v| v.y > 0.0));
-    assert_eq!(found, by(&mut fresh, &night));
+    assert_eq!(found, shown(&mut fresh, &night, Field::Indirect));
+}
+
+/// Without a window noon is as dark as midnight, and the faintest sign is all there is to see by.
+#[test]
+fn a_faint_sign_in_a_room_without_windows_is_the_same_at_noon() {
+    let noon = room_with_a_sign(true, 1e-3);
+    assert_eq!(noon.lamps.len(), 1);
+    assert_eq!(noon.least_luminance(), 0.0);
+    let night = noon.at("2026-06-21T23:59").expect("the time is sound");
+    let mut backend = Backend::open(Wanted::Reference).expect("there is one");
+    let mut of = |seen: &Conditions| shown(&mut backend, seen, Field::Lights);
+    let (by_day, by_night) = (of(&noon), of(&night));
+    assert_eq!(by_day, by_night);
+    // The sign itself, and walls before it that it lights.
+    let brightest = by_day.iter().map(|v| v.y).fold(0.0, f64::max);
+    assert_near(brightest, 1e-3, 1e-4, "the sign");
+    let is_lit = |v: &&DVec3| v.y > 0.0 && v.y < 0.5 * brightest;
+    assert!(by_day.iter().filter(is_lit).count() > 8, "{by_day:?}");
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl Conditions {
         if !dark.is_empty() {
             warnings.push(Warning::DarkLamps { lamps: dark });
         }
-        let glowing = Lamp::glowing(&scene, &geometry)?;
+        let glowing = Lamp::glowing(&scene, &geometry, ground)?;
         let all_lamps: Arc<[Lamp]> = lamps
             .into_iter()
             .filter(Lamp::shines)
@@ -205,14 +205,17 @@ fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> 
     })
 }
 
-/// Surfaces that shine with less than this share of a typical luminance under sun and sky are left out.
+/// Surfaces that shine with less than this share of the luminance beside which they are seen are left out.
 const TOO_FAINT: f64 = 1e-3;
 
 /// The lamps of all that are not lost beside sun and sky. What a surface shines with bounds what it adds anywhere: no other surface
 /// and no air gets brighter by its light than it is itself.
 fn seen_beside(moment: &AtMoment, all: &Arc<[Lamp]>, warnings: &mut Vec<Warning>) -> Arc<[Lamp]> {
     let typical = typical_luminance(&moment.sun, moment.sky.as_deref());
-    let is_lost = |lamp: &&Lamp| lamp.glow().is_some_and(|glow| glow < TOO_FAINT * typical);
+    let is_lost = |lamp: &&Lamp| match (lamp.glow(), lamp.seen_beside(typical)) {
+        (Some(glow), Some(beside)) => glow < TOO_FAINT * beside,
+        _ => false,
+    };
     let lost: Vec<&Lamp> = all.iter().filter(is_lost).collect();
     if lost.is_empty() {
         return all.clone();

@@ -4,6 +4,8 @@
 //! way is one point of light on one of them; from nearby its parts are, and at last parts of a triangle (Walter et al. 2005,
 //! Lightcuts). So a sign costs by how near it is and by the shadows that fall on its light, not by its number of triangles.
 
+use super::GroundPlane;
+use super::openness::openness;
 use super::spot::Spot;
 use crate::colour::{Space, luminance};
 use crate::scene::{Geometry, Ray, Scene};
@@ -22,6 +24,9 @@ const LOOKUPS: usize = 1 << 22;
 /// Parts whose luminances differ by no more than this share of the brightest are one.
 const ALIKE: f64 = 0.02;
 
+/// At so many of them it is looked how much daylight meets them.
+const PLACES: usize = 32;
+
 /// A ray has no more parts of a surface that shines: of thousands of faces that look all ways, clusters stand for the rest.
 const MOST_ALONG: usize = 1024;
 
@@ -39,6 +44,8 @@ pub struct Faces {
     pub candela: f64,
     /// The greatest luminance [cd/m2].
     pub brightest: f64,
+    /// The most daylight that meets one of them, against what there is in the open ([`openness`]) [1].
+    pub openness: f64,
 }
 
 /// A triangle of even luminance.
@@ -100,7 +107,13 @@ pub enum Part {
 
 impl Faces {
     /// The faces of a material of a scene, on their front or on their back; `None` where nothing shines.
-    pub fn new(scene: &Scene, geometry: &Geometry, material: u32, back: bool) -> Option<Faces> {
+    pub fn new(
+        scene: &Scene,
+        geometry: &Geometry,
+        ground: Option<GroundPlane>,
+        material: u32,
+        back: bool,
+    ) -> Option<Faces> {
         let to_working = Space::Rec709.to_working();
         let shines: Vec<_> = geometry
             .casters()
@@ -163,7 +176,16 @@ impl Faces {
             nodes: Vec::new(),
             lift: LIFT * low.abs().max(high.abs()).max(high - low).max_element(),
             brightest,
+            openness: 0.0,
         };
+        // Some of many.
+        let step = faces.all.len().div_ceil(PLACES);
+        let open = |face: &Face| {
+            let place = face.middle() + faces.lift * face.normal;
+            openness(place, face.normal, geometry, ground)
+        };
+        let some = faces.all.iter().step_by(step);
+        faces.openness = some.map(open).fold(0.0, f64::max);
         let mut order: Vec<u32> = (0..faces.all.len() as u32).collect();
         faces.cluster(&mut order);
         Some(faces)

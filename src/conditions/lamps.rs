@@ -1,5 +1,6 @@
 //! Lamps as physics has them: where they are, what they shine with, and what stands before them.
 
+use super::GroundPlane;
 use super::faces::Faces;
 use crate::beam::Beam;
 use crate::colour::{Space, luminance};
@@ -113,7 +114,11 @@ impl Lamp {
     }
 
     /// The surfaces of a scene that shine: a lamp for each material, and one for its backs.
-    pub(super) fn glowing(scene: &Scene, geometry: &Geometry) -> Result<Vec<Lamp>> {
+    pub(super) fn glowing(
+        scene: &Scene,
+        geometry: &Geometry,
+        ground: Option<GroundPlane>,
+    ) -> Result<Vec<Lamp>> {
         let mut lamps = Vec::new();
         for (&material, emission) in &scene.emissions {
             let name = &scene.materials[material as usize].name;
@@ -121,7 +126,7 @@ impl Lamp {
                 if back && !emission.both_sides {
                     continue;
                 }
-                let Some(faces) = Faces::new(scene, geometry, material, back) else {
+                let Some(faces) = Faces::new(scene, geometry, ground, material, back) else {
                     continue;
                 };
                 let (position, radius) = faces.ball();
@@ -151,6 +156,12 @@ impl Lamp {
     /// that such a luminance surrounds.
     pub fn glow(&self) -> Option<f64> {
         self.faces.as_ref().map(|faces| faces.brightest)
+    }
+
+    /// The luminance beside which it is seen, where open ground has `typical` [cd/m2]: so much less as less daylight meets it, and none in
+    /// a room without windows. Nothing for lamps that are no surfaces.
+    pub(super) fn seen_beside(&self, typical: f64) -> Option<f64> {
+        self.faces.as_ref().map(|faces| faces.openness * typical)
     }
 
     /// Whether it gives any light at all.

@@ -10,6 +10,7 @@ mod faces;
 mod inputs;
 pub mod lamps;
 mod lines;
+mod openness;
 mod penumbra;
 pub mod received;
 mod request;
@@ -151,6 +152,20 @@ impl Conditions {
         match typical_luminance(&self.sun, self.sky.as_deref()) {
             0.0 => 0.2 / PI * self.typical_lamp_light(),
             natural => natural,
+        }
+    }
+
+    /// Beside which luminance something has to be seen to matter [cd/m2]: the typical one, or a lower one where a surface shines that less
+    /// daylight meets than open ground, down to none in a room without windows.
+    pub fn least_luminance(&self) -> f64 {
+        let typical = self.typical_luminance();
+        match typical_luminance(&self.sun, self.sky.as_deref()) {
+            // Only lamps are there to be compared with.
+            0.0 => typical,
+            natural => {
+                let beside = self.lamps.iter().filter_map(|l| l.seen_beside(natural));
+                beside.fold(typical, f64::min)
+            }
         }
     }
 

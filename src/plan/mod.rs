@@ -219,7 +219,7 @@ impl<'c> Plan<'c> {
             let mut decision = decide(effect, conditions);
             if let Contribution::Bound(bound) = decision.contribution
                 && decision.run
-                && bound < tolerance * conditions.typical_luminance()
+                && bound < tolerance * conditions.least_luminance()
             {
                 decision = Decision::skip(
                     format!("{}, too little to be seen", decision.reason),

@@ -49,6 +49,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
             "size": conditions.view.size,
             "tolerance": plan.tolerance,
             "typical_luminance_cd_per_m2": conditions.typical_luminance(),
+            "least_luminance_cd_per_m2": conditions.least_luminance(),
             "effects": steps,
             "warnings": conditions.warnings,
         }));
@@ -104,7 +105,7 @@ pub fn run(args: &PlanCommand) -> Result<()> {
         conditions.view.size[1],
         rayon::current_num_threads(),
         plan.tolerance,
-        conditions.typical_luminance(),
+        conditions.least_luminance(),
     ));
     stdout::print(&text)
 }

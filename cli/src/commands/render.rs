@@ -19,7 +19,6 @@ use tyndall::backend::check::Check;
 use tyndall::backend::choose::choose;
 use tyndall::backend::convergence::Convergence;
 use tyndall::colour::{exposure, luminance};
-use tyndall::conditions::Conditions;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
 use tyndall::output::scale::Scale;
