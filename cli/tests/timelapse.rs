@@ -403,8 +403,8 @@ fn frames_that_are_made_are_measured_and_the_worst_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     // Open ground under the sky: cheap even at the finest.
-    let scene =
-        "[site]\nlatitude = 47.0\nlongitude = 4.0\ntimezone = \"UTC\"\n\n[ground]\nheight = 0.0\n";
+    let scene = "[site]\nlatitude = 47.0\nlongitude = 4.0\ntimezone = \"UTC\"\n\n[ground]\nheight = 0.0\n\n\
+                 [camera]\neye = [0.0, 2.0, 0.0]\ntarget = [0.0, 1.5, -5.0]\n";
     std::fs::write(folder.join("plain.toml"), scene).expect("the scene");
     let words = |more: &[&'static str]| {
         let mut words = vec![
