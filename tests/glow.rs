@@ -660,7 +660,7 @@ fn room_with_a_sign(is_shut: bool, luminance: f64) -> Conditions {
         timezone: Some("UTC".into()),
     });
     scene.time = Some("2026-06-21T12:00".into());
-    let camera = Camera::look_at(dvec3(0.0, 1.5, 1.5), DVec3::NEG_Z, 1.0);
+    let camera = Camera::look_at(dvec3(0.0, 1.5, 1.5), dvec3(0.0, 1.5, 0.0), 1.0);
     conditions(scene, camera, [8, 8])
 }
 

@@ -603,7 +603,7 @@ fn every_backend_makes_the_same_picture() {
     let mut seen = court(media);
     let mut scene = (*seen.scene).clone();
     scene.lamps = vec![lamp(dvec3(1.0, 2.4, 0.5))];
-    seen = conditions(scene, seen.view.camera, [48, 32]);
+    seen = conditions(scene, seen.view.camera, [36, 24]);
     let overrules = Overrules {
         set: LEAST.iter().map(|(k, v)| (k.to_string(), *v)).collect(),
         ..Overrules::default()
