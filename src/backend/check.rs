@@ -6,11 +6,16 @@
 use super::reference::{Reference, Values, picture};
 use crate::accuracy::{LayerError, Random, error};
 use crate::colour::luminance;
+use crate::effect::Kept;
 use crate::error::{Error, Result};
 use crate::frame::{Field, Frame, Layer};
 use crate::plan::Plan;
+use crate::task::Task;
 use glam::{DVec3, UVec2};
 use serde::Serialize;
+
+/// The stage in which pixels are made that a picture is compared with.
+const TRUTH: &str = "the reference's pixels";
 
 /// The measured error of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -41,8 +46,8 @@ impl Yardstick {
     /// The truth at about `count` pixels.
     ///
     /// # Errors
-    /// [`Error::Input`] for a count of zero.
-    pub fn new(plan: &Plan, count: usize) -> Result<Self> {
+    /// [`Error::Input`] for a count of zero; [`Error::Stopped`] when the work was stopped.
+    pub fn new(plan: &Plan, count: usize, task: Task<'_>) -> Result<Self> {
         if count == 0 {
             return Err(Error::input(
                 "--check 0",
@@ -55,7 +60,11 @@ impl Yardstick {
         Ok(Yardstick {
             size: view.size,
             written: plan.written(),
-            truth: Reference::new(plan)?.sampled(&pixels, view.samples),
+            truth: Reference::keeping(plan, &Kept::default(), task)?.sampled(
+                &pixels,
+                view.samples,
+                task.stage(TRUTH),
+            )?,
             pixels,
         })
     }
@@ -92,7 +101,7 @@ impl Yardstick {
     /// Those of [`Reference::new`].
     pub fn compare(&self, plan: &Plan) -> Result<Check> {
         let samples = plan.conditions.view.samples;
-        let found = Reference::new(plan)?.sampled(&self.pixels, samples);
+        let found = Reference::new(plan)?.sampled(&self.pixels, samples, Task::unwatched())?;
         Ok(self.judge(&found))
     }
 

@@ -40,6 +40,8 @@ pub struct Asked {
     pub space: OutputSpace,
     /// The exposure of all frames [EV100]; absent: planned.
     pub exposure: Option<f64>,
+    /// How many stops brighter than metered frames are whose exposure is planned.
+    pub stops: f64,
     /// The index of the first frame.
     pub first: u64,
     /// The command line that makes the whole sequence.
@@ -141,6 +143,7 @@ impl Sequence {
             layers,
             space,
             exposure: fixed,
+            stops: _, // in the exposures that are planned
             first,
             command,
         } = &self.asked;
@@ -245,7 +248,8 @@ impl Sequence {
         let exposure = match self.asked.exposure {
             Some(ev100) => vec![[0.0, ev100]],
             None => {
-                let seen = numbers().filter_map(|(number, m)| Some([number, m.ev100?]));
+                let seen =
+                    numbers().filter_map(|(number, m)| Some([number, m.ev100? - self.asked.stops]));
                 seen.collect()
             }
         };
@@ -354,7 +358,8 @@ impl Sequence {
         let ExposurePlan::Curve(frames) = exposure else {
             return Ok(Vec::new());
         };
-        let metered = |frame: &KeyFrame| (!frame.is_black).then_some(frame.ev100);
+        let metered =
+            |frame: &KeyFrame| (!frame.is_black).then_some(frame.ev100 + self.asked.stops);
         let level = |frame: &&KeyFrame| metered(frame).unwrap_or(f64::NEG_INFINITY);
         let by_level = |a: &&KeyFrame, b: &&KeyFrame| level(a).total_cmp(&level(b));
         // The first of equals.

@@ -157,7 +157,10 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
         }
         // By a frame in the middle, whichever frames this process renders.
         let middle = conditions.at(&when.text(when.get(count / 2)?))?;
-        let chosen = choose(&mut backend, &middle, &overrules, goal, &limits)?;
+        let bar = tell::bar();
+        let step = |step| bar.step(step);
+        let chosen = choose(&mut backend, &middle, &overrules, goal, &limits, &step)?;
+        drop(bar);
         tell::chosen(&chosen.why);
         overrules = chosen.overrules;
     }
@@ -166,6 +169,7 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let warnings = conditions.warnings.clone();
     let sequence = Sequence::new(Asked {
         exposure: args.picture.ev100(&conditions.scene),
+        stops: args.picture.stops(),
         conditions,
         when,
         overrules,
