@@ -21,3 +21,37 @@ pub const STANDARD_PRESSURE_HPA: f64 = 1013.25;
 ///
 /// Source: twice the arcsine of the IAU 2015 nominal solar radius, 695 700 km, over 149 597 870.7 km.
 pub const SUN_DIAMETER: f64 = 2.0 * 695_700.0 / 149_597_870.7;
+
+/// A quantity in words for people: whole numbers, two significant digits below ten, an exponent below a thousandth.
+pub fn brief(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if size >= 9.95 => format!("{value:.0}"),
+        size if size >= 0.995 => format!("{value:.1}"),
+        size if size >= 0.0995 => format!("{value:.2}"),
+        size if size >= 0.00995 => format!("{value:.3}"),
+        size if size >= 0.000_995 => format!("{value:.4}"),
+        _ => format!("{value:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_light_is_written_as_none() {
+        for (value, text) in [
+            (88_501.2, "88501"),
+            (9.96, "10"),
+            (3.14, "3.1"),
+            (0.1, "0.10"),
+            (0.0021, "0.0021"),
+            (3.2e-7, "3.2e-7"),
+            (0.0, "0"),
+            (-0.25, "-0.25"),
+        ] {
+            assert_eq!(brief(value), text);
+        }
+    }
+}

@@ -200,6 +200,13 @@ pub enum Warning {
         /// The site's longitude [degrees], east positive.
         longitude_deg: f64,
     },
+    /// A place whose latitude and longitude look swapped.
+    PerhapsSwapped {
+        /// The place as it is taken.
+        place: String,
+        /// The zone in which the other one would be.
+        zone: String,
+    },
     /// The Preetham model, whose luminance is known to be wrong.
     PreethamLuminance,
     /// Irradiances outside the data to which the Perez model was fitted; the nearest that are inside are taken.
@@ -352,6 +359,7 @@ impl Warning {
             Warning::ClockFarFromSun { .. } => {
                 Some("check the sign of the longitude, and the offset from UTC or the zone")
             }
+            Warning::PerhapsSwapped { .. } => Some("write the latitude first, then the longitude"),
             Warning::Mended { .. } => {
                 Some("correct it in the program that made the file, and export again")
             }
@@ -576,6 +584,10 @@ impl fmt::Display for Warning {
             } => write!(
                 f,
                 "the clock ({offset}) is {hours:.1} hours off the sun's at longitude {longitude_deg:.3}"
+            ),
+            Warning::PerhapsSwapped { place, zone } => write!(
+                f,
+                "{place}: with latitude and longitude swapped the place would be in {zone}; were they?"
             ),
             Warning::PreethamLuminance => f.write_str(
                 "the Preetham sky's luminance is 1.5 to 2.8 times too high by day; its colours are usable",

@@ -10,6 +10,7 @@ use tyndall::backend::check::Yardstick;
 use tyndall::backend::convergence::Convergence;
 use tyndall::conditions::Conditions;
 use tyndall::plan::{Overrules, Plan, Quality};
+use tyndall::task::Task;
 
 /// Sunlight from a far slit in fog and on a floor.
 fn conditions() -> Conditions {
@@ -56,7 +57,8 @@ fn the_figure_falls_with_more_points_and_bounds_the_error() {
     let conditions = conditions();
     // All pixels, so that both are of the same.
     let all = 24 * 96;
-    let truth = Yardstick::new(&plan(&conditions, 4096.0), all).expect("nothing stops it");
+    let truth = Yardstick::new(&plan(&conditions, 4096.0), all, Task::unwatched());
+    let truth = truth.expect("nothing stops it");
     let mut before = [f64::INFINITY; 2];
     for suns in [8.0, 32.0, 128.0, 512.0] {
         let plan = plan(&conditions, suns);

@@ -20,6 +20,7 @@ const TABLES: &[(&str, u64)] = &[
     ("ozone_iqbal1983.csv", 0xe2c3_7ac0_ee97_f384),
     ("perez1990_efficacy.json", 0x6bc3_9111_9b41_7a33),
     ("perez1993_coefficients.csv", 0x0d6b_ec99_b044_b22e),
+    ("places.csv", 0x4b6d_736e_3e90_78dc),
     ("preetham1999.json", 0xd8ae_475b_318f_54a1),
     ("sun_spectrum.csv", 0x18a3_e9e5_d99b_c2fb),
     ("twilight.bin", 0x86f3_8060_748b_eb15),

@@ -13,6 +13,7 @@ use tyndall::ephemeris::{Site, Tier};
 use tyndall::frame::{Field, Frame};
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::{Camera, Scene, SiteEntry};
+use tyndall::task::Task;
 use tyndall::timelapse::plan::{ExposurePlan, FrameLine};
 use tyndall::timelapse::template::Template;
 use tyndall::timelapse::when::{self, Count, Observer, When};
@@ -373,6 +374,7 @@ fn asked(
             numbers: output::Numbers::default(),
         },
         exposure: None,
+        stops: 0.0,
         first: 1,
         command: String::new(),
     })
@@ -617,7 +619,8 @@ fn a_sliver_of_the_sun_gives_no_less_than_nothing() {
     };
     let plan = Plan::new(&conditions, &overrules).expect("a plan");
     let reference = Reference::new(&plan).expect("it is prepared");
-    let values = reference.sampled(&[UVec2::new(152, 112)], 8);
+    let values = reference.sampled(&[UVec2::new(152, 112)], 8, Task::unwatched());
+    let values = values.expect("nothing stops it");
     let sun = values[0][Field::Sun as usize];
     assert!(sun.cmpge(DVec3::ZERO).all(), "{sun}");
     assert!(sun.max_element() > 0.0, "it is a place with a sliver");

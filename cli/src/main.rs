@@ -102,6 +102,7 @@ fn main() -> ExitCode {
     match Cli::try_parse() {
         Ok(cli) => {
             tell::set(cli.talk());
+            signals::prepare();
             machine::run(move || run(cli.command))
         }
         Err(said) => print(said),

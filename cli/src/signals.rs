@@ -1,4 +1,5 @@
-//! Being asked to end: Ctrl-C and SIGTERM set a flag, which long work looks at, instead of ending the program at once.
+//! Being asked to end, by Ctrl-C or SIGTERM. The program ends at once, with the status that says so; work that keeps what it has done,
+//! or that says what it leaves, is asked by a flag instead.
 
 use std::sync::atomic::AtomicBool;
 
@@ -17,22 +18,27 @@ mod caught {
     const INTERRUPTED: u8 = 130;
 
     struct Caught {
+        /// Whether the program ends at once.
+        at_once: Arc<AtomicBool>,
         asked: Arc<AtomicBool>,
         signal: Arc<AtomicUsize>,
     }
 
     static CAUGHT: LazyLock<Caught> = LazyLock::new(|| {
         let caught = Caught {
+            at_once: Arc::new(AtomicBool::new(true)),
             asked: Arc::default(),
             signal: Arc::default(),
         };
         for (signal, code) in [(SIGINT, INTERRUPTED), (SIGTERM, AGAIN)] {
             let Caught {
+                at_once,
                 asked,
                 signal: which,
             } = &caught;
-            // Where they cannot be caught they end the program, as they do without. Whoever asks twice does not want to wait: the first of
+            // Where they cannot be caught they end the program, as they do without. Whoever asks twice does not want to wait: the second of
             // these acts when the flag is set already.
+            let _ = flag::register_conditional_shutdown(signal, code.into(), at_once.clone());
             let _ = flag::register_conditional_shutdown(signal, code.into(), asked.clone());
             let _ = flag::register_usize(signal, which.clone(), signal as usize);
             let _ = flag::register(signal, asked.clone());
@@ -40,7 +46,12 @@ mod caught {
         caught
     });
 
+    pub fn prepare() {
+        LazyLock::force(&CAUGHT);
+    }
+
     pub fn asked() -> &'static AtomicBool {
+        CAUGHT.at_once.store(false, Ordering::Relaxed);
         &CAUGHT.asked
     }
 
@@ -59,6 +70,8 @@ mod caught {
 
     static NEVER: AtomicBool = AtomicBool::new(false);
 
+    pub fn prepare() {}
+
     pub fn asked() -> &'static AtomicBool {
         &NEVER
     }
@@ -66,6 +79,11 @@ mod caught {
     pub fn exit_status() -> Option<u8> {
         None
     }
+}
+
+/// From here on the program ends with the status that says it was asked to.
+pub fn prepare() {
+    caught::prepare();
 }
 
 /// Set when somebody asks the program to end. From the first call on the program does not end by itself then.

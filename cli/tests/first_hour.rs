@@ -345,8 +345,12 @@ fn the_sky_over_a_day_is_a_row_a_step() {
         &[&day[..], &["--step", "90min", "--json"]].concat(),
     );
     assert!(output.status.success(), "{}", stderr(&output));
-    let rows: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let rows = rows.as_array().expect("rows");
+    let whole: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(
+        (&whole["sky"], &whole["step_seconds"]),
+        (&"perez".into(), &5400.0.into())
+    );
+    let rows = whole["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 16);
     assert_eq!(rows[0]["longitude"], -157.4);
     let lux = |i: usize| {
@@ -411,15 +415,16 @@ fn the_sky_over_a_day_is_a_row_a_step() {
     }
 }
 
-/// The rows of `tyndall sky`, or what it says of one time, as JSON; and what else it says.
+/// The rows of `tyndall sky` over a range, or what it says of one time, as JSON; and what else it says.
 fn skies(words: &str) -> (serde_json::Value, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let words: Vec<&str> = ["sky"].into_iter().chain(words.split(' ')).collect();
     let output = tyndall(folder.path(), &[&words[..], &["--json"]].concat());
     let said = stderr(&output);
     assert!(output.status.success(), "{words:?}: {said}");
-    let rows = serde_json::from_slice(&output.stdout).expect("JSON");
-    (rows, said)
+    let mut all: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let rows = all.get_mut("rows").map(serde_json::Value::take);
+    (rows.unwrap_or(all), said)
 }
 
 #[test]
@@ -554,4 +559,192 @@ fn notes_are_not_said_to_who_wants_quiet() {
     assert!(usual.contains("the column `place` is not read"), "{usual}");
     assert!(usual.contains("a.csv has no rows"), "{usual}");
     assert_eq!(said(&["--quiet"]), "");
+}
+
+#[test]
+fn pictures_over_a_range_are_rows_of_numbers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    slats(folder.path(), [24, 15]);
+    let range = [
+        "render",
+        "slats.toml",
+        "--quality",
+        "draft",
+        "--backend",
+        "reference",
+        "--without",
+        "shafts",
+        "--time",
+        "2026-06-21T16:00",
+        "--until",
+        "2026-06-21T19:00",
+        "--step",
+        "90min",
+    ];
+    let output = tyndall(folder.path(), &[&range[..], &["--json"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let whole: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let rows = whole["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[1]["time"], "2026-06-21T17:30:00+02:00");
+    let number = |name: &str| rows[1][name].as_f64().expect(name);
+    // The same as a picture of that time.
+    let one = [
+        &range[..8],
+        &["--time", "2026-06-21T17:30", "--json", "-o", "one.exr"],
+    ]
+    .concat();
+    let one = tyndall(folder.path(), &one);
+    assert!(one.status.success(), "{}", stderr(&one));
+    let one: serde_json::Value = serde_json::from_slice(&one.stdout).expect("JSON");
+    for (name, record) in [
+        ("ev100", "exposure_ev100"),
+        ("sun_azimuth", "sun_azimuth_deg"),
+        ("sun_normal_illuminance_lx", "sun_illuminance_lx"),
+    ] {
+        let truth = one["record"][record].as_f64().expect(record);
+        assert!((number(name) - truth).abs() < 1e-6 * truth, "{name}");
+    }
+    // Layers add up to the picture, and the eye in the open has some of the sky.
+    let layers = rows[1].as_object().expect("columns").iter();
+    let layers =
+        layers.filter(|(name, _)| name.starts_with("mean_") && *name != "mean_luminance_cd_m2");
+    let sum: f64 = layers.filter_map(|(_, mean)| mean.as_f64()).sum();
+    let mean = number("mean_luminance_cd_m2");
+    assert!(
+        mean > 10.0 && (sum / mean - 1.0).abs() < 1e-4,
+        "{sum} {mean}"
+    );
+    let (eye, sky) = (
+        number("eye_illuminance_lx"),
+        number("sky_horizontal_illuminance_lx"),
+    );
+    assert!(eye > 0.02 * sky && eye < 10.0 * sky, "{eye} {sky}");
+
+    let csv = tyndall(folder.path(), &[&range[..], &["--csv"]].concat());
+    let csv = String::from_utf8(csv.stdout).expect("UTF-8");
+    assert!(
+        csv.starts_with("time,utc,") && csv.lines().count() == 3,
+        "{csv}"
+    );
+    let with_files = tyndall(folder.path(), &[&range[..], &["-o", "x.png"]].concat());
+    assert_eq!(with_files.status.code(), Some(2));
+    assert!(
+        stderr(&with_files).contains("timelapse"),
+        "{}",
+        stderr(&with_files)
+    );
+}
+
+#[test]
+fn exposures_places_and_plots_are_as_written_or_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    slats(folder.path(), [24, 15]);
+    let ev100 = |exposure: &str| {
+        let words = [
+            "render",
+            "slats.toml",
+            "--quality",
+            "draft",
+            "--backend",
+            "reference",
+            "--without",
+            "shafts",
+            "--without",
+            "radiosity",
+            "--json",
+            "-o",
+            "e.png",
+            "--exposure",
+            exposure,
+        ];
+        let output = tyndall(folder.path(), &words);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let all: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        all["record"]["exposure_ev100"].as_f64().expect("EV")
+    };
+    assert!((ev100("auto") - ev100("auto+2") - 2.0).abs() < 1e-9);
+
+    let chicago = tyndall(
+        folder.path(),
+        &[
+            "sun",
+            "--place",
+            "chicago",
+            "--time",
+            "2026-06-21T12:00",
+            "--json",
+        ],
+    );
+    let said = stderr(&chicago);
+    assert!(
+        said.contains("Chicago, United States: --at 41.85,-87.65"),
+        "{said}"
+    );
+    let all: serde_json::Value = serde_json::from_slice(&chicago.stdout).expect("JSON");
+    assert_eq!(all["time"], "2026-06-21T12:00:00-05:00");
+    for (words, says) in [
+        (&["sun", "--place", "Chicgo"][..], "`Chicago`"),
+        (
+            &["sun", "--place", "Paris", "--at", "1,2"],
+            "cannot be used",
+        ),
+        (&["accuracy", "--plot", "x.svg"], "no plot"),
+        (&["sky", "--sun", "1,2", "--exposure", "auto2"], "auto+2"),
+    ] {
+        let output = tyndall(folder.path(), words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        assert!(
+            stderr(&output).contains(says),
+            "{words:?}: {}",
+            stderr(&output)
+        );
+    }
+    // Paris the wrong way round is in the Indian Ocean.
+    for (words, warned) in [
+        (&["--at", "2.2945,48.8584"][..], true),
+        (&["--at", "48.8584,2.2945"], false),
+        (&["--at", "40.7,-74"], false),
+        (&["--at", "-74,40.7"], true),
+        (&["--at", "9.03,38.74", "--tz", "Africa/Addis_Ababa"], false),
+    ] {
+        let words = [&["sun", "--time", "2026-06-21T12:00"], words].concat();
+        let said = stderr(&tyndall(folder.path(), &words));
+        assert_eq!(said.contains("swapped"), warned, "{words:?}: {said}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn whoever_asks_a_picture_to_end_is_told_what_is_kept() {
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().expect("a folder");
+    slats(folder.path(), [400, 300]);
+    for (signal, status) in [("TERM", 75), ("INT", 130)] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_tyndall"));
+        let child = child.current_dir(folder.path()).stderr(Stdio::piped());
+        let words = [
+            "render",
+            "slats.toml",
+            "--quality",
+            "reference",
+            "--backend",
+            "reference",
+            "-o",
+            "x.png",
+        ];
+        let child = child.args(words).spawn().expect("it starts");
+        let id = child.id().to_string();
+        std::thread::sleep(std::time::Duration::from_millis(800));
+        let sent = Command::new("kill").args(["-s", signal, &id]).status();
+        assert!(sent.expect("kill is there").success());
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(status), "{}", stderr(&output));
+        let said = stderr(&output);
+        assert!(
+            said.contains("kept       nothing of this picture; not written: x.png"),
+            "{said}"
+        );
+        assert!(!folder.path().join("x.png").exists());
+    }
 }

@@ -6,11 +6,16 @@
 use super::reference::{Reference, Values, picture};
 use crate::accuracy::{LayerError, Random, error};
 use crate::colour::luminance;
+use crate::effect::Kept;
 use crate::error::{Error, Result};
 use crate::frame::{Field, Frame, Layer};
 use crate::plan::Plan;
+use crate::task::Task;
 use glam::{DVec3, UVec2};
 use serde::Serialize;
+
+/// The stage in which pixels are made that a picture is compared with.
+const TRUTH: &str = "the reference's pixels";
 
 /// The measured error of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -41,8 +46,16 @@ impl Yardstick {
     /// The truth at about `count` pixels.
     ///
     /// # Errors
-    /// [`Error::Input`] for a count of zero.
-    pub fn new(plan: &Plan, count: usize) -> Result<Self> {
+    /// [`Error::Input`] for a count of zero; [`Error::Stopped`] when the work was stopped.
+    pub fn new(plan: &Plan, count: usize, task: Task<'_>) -> Result<Self> {
+        Self::keeping(plan, count, &Kept::default(), task)
+    }
+
+    /// The same; what is kept of earlier plans serves this one.
+    ///
+    /// # Errors
+    /// Those of [`Yardstick::new`].
+    pub fn keeping(plan: &Plan, count: usize, kept: &Kept, task: Task<'_>) -> Result<Self> {
         if count == 0 {
             return Err(Error::input(
                 "--check 0",
@@ -55,7 +68,11 @@ impl Yardstick {
         Ok(Yardstick {
             size: view.size,
             written: plan.written(),
-            truth: Reference::new(plan)?.sampled(&pixels, view.samples),
+            truth: Reference::keeping(plan, kept, task)?.sampled(
+                &pixels,
+                view.samples,
+                task.stage(TRUTH),
+            )?,
             pixels,
         })
     }
@@ -92,7 +109,7 @@ impl Yardstick {
     /// Those of [`Reference::new`].
     pub fn compare(&self, plan: &Plan) -> Result<Check> {
         let samples = plan.conditions.view.samples;
-        let found = Reference::new(plan)?.sampled(&self.pixels, samples);
+        let found = Reference::new(plan)?.sampled(&self.pixels, samples, Task::unwatched())?;
         Ok(self.judge(&found))
     }
 

@@ -2,13 +2,16 @@
 
 use super::check::Yardstick;
 use super::interface::Backend;
-use super::reference::{Reference, predict};
+use super::predict::predict;
+use super::reference::Reference;
 use super::rendering::{Limits, Rendered};
 use crate::conditions::Conditions;
-use crate::effect::Method;
+use crate::effect::{Kept, Method};
 use crate::error::{Error, Result};
 use crate::plan::{Overrules, Plan, Quality};
-use std::time::Duration;
+use crate::task::{Progress, Step, Task};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Pixels at which candidates are compared with the reference.
 const PIXELS: usize = 200;
@@ -18,7 +21,8 @@ const PIXELS: usize = 200;
 pub enum Goal {
     /// A relative RMSE of the picture's luminance of at most this [1].
     MaxError(f64),
-    /// A time for one ray a pixel of at most this, in milliseconds.
+    /// A time of at most this, in milliseconds: on a GPU of a frame of one ray a pixel, when all that is kept from frame to frame is
+    /// there; on the CPU of the whole picture with all that comes before it, the choosing too.
     Within(f64),
 }
 
@@ -31,7 +35,10 @@ pub struct Chosen {
     pub why: String,
 }
 
-/// A quality and a method, and what they were found to be worth.
+/// A quality and a method.
+type Choice = (Quality, Option<Method>);
+
+/// The same, and what they were found to be worth.
 #[derive(Clone, Copy)]
 struct Candidate {
     quality: Quality,
@@ -57,6 +64,7 @@ struct Trials<'t> {
     conditions: &'t Conditions,
     overrules: &'t Overrules,
     limits: &'t Limits<'t>,
+    progress: Progress<'t>,
     /// The finest quality, without knobs of the user's, and what it makes of some pixels, once that was needed.
     finest: Plan<'t>,
     yardstick: Option<Yardstick>,
@@ -66,14 +74,15 @@ struct Trials<'t> {
 /// quality does not count.
 ///
 /// # Errors
-/// [`Error::Failed`] when even the finest quality is further off than asked for, or even the coarsest takes longer; those of
-/// [`Plan::new`] and [`Backend::render`].
+/// [`Error::Failed`] when even the finest quality is further off than asked for, or even the coarsest takes longer;
+/// [`Error::Stopped`]; those of [`Plan::new`] and [`Backend::render`].
 pub fn choose(
     backend: &mut Backend,
     conditions: &Conditions,
     overrules: &Overrules,
     goal: Goal,
     limits: &Limits,
+    progress: Progress,
 ) -> Result<Chosen> {
     let mut trials = Trials {
         finest: Plan::new(conditions, &overrules.finest())?,
@@ -82,15 +91,19 @@ pub fn choose(
         conditions,
         overrules,
         limits,
+        progress,
     };
-    let (chosen, why) = match goal {
+    let ((quality, method), why) = match goal {
         Goal::MaxError(most) => trials.by_error(most)?,
-        Goal::Within(limit) => trials.by_time(limit)?,
+        Goal::Within(limit) => match &*trials.backend {
+            Backend::Gpu(_) => trials.by_time(limit)?,
+            Backend::Reference(_) => trials.by_deadline(limit)?,
+        },
     };
     Ok(Chosen {
         overrules: Overrules {
-            quality: chosen.quality,
-            method: chosen.method,
+            quality,
+            method,
             ..overrules.clone()
         },
         why,
@@ -129,19 +142,10 @@ impl Trials<'_> {
         // What candidates before it have left must not make one look quick.
         self.backend.forget();
         let (rendered, picture) = match &mut *self.backend {
-            Backend::Reference(_) => {
-                // Asking a part of the pixels is enough, and only needed where time counts.
-                let time = match limit.is_finite() {
-                    true => predict(&Reference::new(&plan)?)
-                        .iter()
-                        .filter_map(|step| step.time)
-                        .sum(),
-                    false => Duration::ZERO,
-                };
-                (None, milliseconds(time))
-            }
+            // Asking a part of the pixels is enough, and its time does not count.
+            Backend::Reference(_) => (None, 0.0),
             gpu => {
-                let rendered = gpu.render(&plan, self.limits, &|_| {})?;
+                let rendered = gpu.render(&plan, self.limits, self.progress)?;
                 let time = milliseconds(rendered.elapsed);
                 (Some(rendered), time)
             }
@@ -172,12 +176,15 @@ impl Trials<'_> {
     fn yardstick(&mut self) -> Result<&Yardstick> {
         Ok(match &mut self.yardstick {
             Some(found) => found,
-            none => none.insert(Yardstick::new(&self.finest, PIXELS)?),
+            none => {
+                let task = Task::new(self.progress, self.limits.stop);
+                none.insert(Yardstick::new(&self.finest, PIXELS, task)?)
+            }
         })
     }
 
     /// The coarsest quality that is exact enough, by its cheapest method.
-    fn by_error(&mut self, most: f64) -> Result<(Candidate, String)> {
+    fn by_error(&mut self, most: f64) -> Result<(Choice, String)> {
         let methods = self.methods()?;
         let mut least = f64::INFINITY;
         for quality in Quality::ALL {
@@ -195,7 +202,7 @@ impl Trials<'_> {
                     chosen.words(),
                     chosen.error
                 );
-                return Ok((chosen, why));
+                return Ok(((chosen.quality, chosen.method), why));
             }
         }
         Err(Error::failed(
@@ -204,8 +211,8 @@ impl Trials<'_> {
         ))
     }
 
-    /// The most exact of what is quick enough.
-    fn by_time(&mut self, limit: f64) -> Result<(Candidate, String)> {
+    /// The most exact of what a device is quick enough for.
+    fn by_time(&mut self, limit: f64) -> Result<(Choice, String)> {
         let methods = self.methods()?;
         let mut shortest = f64::INFINITY;
         let mut chosen: Option<Candidate> = None;
@@ -226,10 +233,7 @@ impl Trials<'_> {
             }
         }
         let Some(chosen) = chosen else {
-            return Err(Error::failed(
-                format!("no quality stays within {limit} ms: draft takes about {shortest:.0}"),
-                "allow more time, make the picture smaller, or leave effects out with --without",
-            ));
+            return Err(too_slow(limit, &format!("takes about {shortest:.0}")));
         };
         let why = format!(
             "{}: about {:.0} ms for one ray a pixel, {limit} allowed; relative RMSE {:.1e} at {PIXELS} pixels",
@@ -237,6 +241,73 @@ impl Trials<'_> {
             chosen.picture,
             chosen.error
         );
-        Ok((chosen, why))
+        Ok(((chosen.quality, chosen.method), why))
     }
+
+    /// The finest quality of which the CPU is done in time, from here on: what was prepared for it stays, and a finer one is tried only as
+    /// long as there is time for the one before.
+    fn by_deadline(&mut self, limit: f64) -> Result<(Choice, String)> {
+        let begun = Instant::now();
+        let gone = || 1e3 * begun.elapsed().as_secs_f64();
+        let allowed = Duration::from_secs_f64((limit / 1e4).min(1.0));
+        let is_asked = || self.limits.stop.is_some_and(|s| s.load(Ordering::Relaxed));
+        let mut chosen: Option<(Quality, f64, Kept)> = None;
+        let mut draft = "is not even prepared by then".to_owned();
+        for quality in Quality::ALL {
+            let overrules = Overrules {
+                quality,
+                ..self.overrules.clone()
+            };
+            let plan = Plan::new(self.conditions, &overrules)?;
+            let (tried, kept) = (gone(), Kept::default());
+            let needed = chosen.as_ref().map_or(0.0, |(_, rays, _)| *rays);
+            let stop = AtomicBool::new(false);
+            let watch = |step: Step| {
+                (self.progress)(step);
+                if is_asked() || gone() + needed > limit {
+                    stop.store(true, Ordering::Relaxed);
+                }
+            };
+            let prepared = Reference::keeping(&plan, &kept, Task::new(&watch, Some(&stop)));
+            let reference = match prepared {
+                Err(Error::Stopped) if !is_asked() => break,
+                other => other?,
+            };
+            let steps = predict(&reference, allowed);
+            let rays: f64 = steps
+                .iter()
+                .filter_map(|step| step.time)
+                .map(|t| 1e3 * t.as_secs_f64())
+                .sum();
+            let done = gone();
+            if chosen.is_none() {
+                draft = format!("takes about {:.0}", done + rays);
+            }
+            if done + rays > limit {
+                break;
+            }
+            chosen = Some((quality, rays, kept));
+            // A finer one takes about twice that or more.
+            if done + 2.0 * (done - tried + rays) > limit {
+                break;
+            }
+        }
+        let Some((quality, rays, kept)) = chosen else {
+            return Err(too_slow(limit, &draft));
+        };
+        *self.backend = Backend::Reference(kept);
+        let why = format!(
+            "{}: about {:.0} ms with what has gone by, {limit} allowed",
+            quality.name(),
+            gone() + rays
+        );
+        Ok(((quality, self.overrules.method), why))
+    }
+}
+
+fn too_slow(limit: f64, draft: &str) -> Error {
+    Error::failed(
+        format!("no quality stays within {limit} ms: draft {draft}"),
+        "allow more time, make the picture smaller, or leave effects out with --without",
+    )
 }

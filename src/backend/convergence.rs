@@ -11,6 +11,7 @@ use crate::colour::luminance;
 use crate::effect::Field;
 use crate::error::Result;
 use crate::plan::{Plan, Step};
+use crate::task::Task;
 use serde::Serialize;
 
 /// How many points a step goes by.
@@ -53,7 +54,7 @@ impl Convergence {
         let pixels = stratified(plan.conditions.view.size, count);
         let light = |share: f64| -> Result<Vec<Values>> {
             let plan = only(plan, &changed, share);
-            Ok(Reference::new(&plan)?.sampled(&pixels, 1))
+            Reference::new(&plan)?.sampled(&pixels, 1, Task::unwatched())
         };
         let (whole, half) = (light(1.0)?, light(0.5)?);
         let of = |values: &Values, field: Field| luminance(values[field as usize]);

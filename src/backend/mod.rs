@@ -15,6 +15,7 @@
 //! | `interface`, `rendering`, `film` | both as one; what a rendering may take and what it gives; the picture as it grows |
 //! | [`check`] | how far a picture is from the reference |
 //! | [`convergence`] | how far the points that stand for the sun's disc are from the disc |
+//! | [`predict`] | how long the reference will take for a picture, judged by some of its pixels |
 //! | [`choose`] | the quality and the method that an error or a time asks for, measured |
 
 pub mod check;
@@ -23,6 +24,7 @@ pub mod convergence;
 mod film;
 pub mod gpu;
 mod interface;
+pub mod predict;
 pub mod reference;
 mod rendering;
 

@@ -8,7 +8,7 @@
 use super::film::Film;
 use super::rendering::{Limits, PICTURE, Rendered, StartUp, StepTime};
 use crate::colour::luminance;
-use crate::conditions::{Conditions, sample_positions, spread};
+use crate::conditions::{Conditions, sample_positions};
 use crate::effect::{Batch, Effect, Field, Fields, Kept, Paid, Settings, Surface};
 use crate::error::Result;
 use crate::frame::{Frame, Layer, Mixture, NO_HIT, Part};
@@ -77,7 +77,7 @@ struct Prepared<'a> {
 
 /// Which effects are run on a ray.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Rerun {
+pub(super) enum Rerun {
     All,
     /// All but those that only make the air's own light.
     WithoutAir,
@@ -135,6 +135,11 @@ impl<'a> Reference<'a> {
         })
     }
 
+    /// The plan that it answers for.
+    pub fn plan(&self) -> &'a Plan<'a> {
+        self.plan
+    }
+
     /// Takes rays through positions of the picture.
     pub fn trace(&self, aims: &[Aim]) -> Vec<Sample> {
         self.trace_with(aims, Rerun::All)
@@ -182,7 +187,8 @@ impl<'a> Reference<'a> {
             .collect()
     }
 
-    fn centres(&self, pixels: &[UVec2]) -> Vec<Sample> {
+    /// Takes the centres of pixels, one after the other.
+    pub(super) fn centres(&self, pixels: &[UVec2]) -> Vec<Sample> {
         let aim = |pixel: &UVec2| Aim {
             pixel: *pixel,
             sample: 0,
@@ -192,16 +198,16 @@ impl<'a> Reference<'a> {
     }
 
     /// The fields of pixels, each the mean of `samples` rays at the places of [`sample_positions`], on all cores.
-    pub fn sampled(&self, pixels: &[UVec2], samples: u32) -> Vec<Values> {
+    ///
+    /// # Errors
+    /// [`crate::Error::Stopped`] when the work was stopped.
+    pub fn sampled(&self, pixels: &[UVec2], samples: u32, task: Task<'_>) -> Result<Vec<Values>> {
         let offsets = sample_positions(samples);
-        pixels
-            .par_chunks(batch(pixels.len(), 16))
-            .flat_map_iter(|chunk| {
-                let whole: Vec<_> = chunk.iter().map(|p| (*p, Rerun::All)).collect();
-                self.means(&whole, &offsets, |_| DVec3::ZERO)
-            })
-            .map(|(mean, _)| mean)
-            .collect()
+        let means = in_pieces(pixels, 16, task, |pixels| {
+            let whole: Vec<_> = pixels.iter().map(|p| (*p, Rerun::All)).collect();
+            self.means(&whole, &offsets, |_| DVec3::ZERO)
+        })?;
+        Ok(means.into_iter().map(|(mean, _)| mean).collect())
     }
 
     /// Time of each effect so far, summed over cores.
@@ -234,23 +240,35 @@ impl<'a> Reference<'a> {
         let mut film = Film::new(view.size, &self.written, limits.memory)?;
         let start = Instant::now();
         let samples = view.samples;
-        let first_share = if samples > 1 { 0.5 } else { 1.0 };
-        const BAND: u32 = 32;
-        for top in (0..height).step_by(BAND as usize) {
-            let bottom = (top + BAND).min(height);
-            let band: Vec<UVec2> = (top..bottom)
+        // As if all pixels were resampled, until some of them have told.
+        let mut first_share = match samples {
+            1 => 1.0,
+            samples => 1.0 / (1.0 + f64::from(samples)),
+        };
+        // A turn has every so many-th three of rows: each takes about as long as another, so that the first tell how long the rest will
+        // take, and in each middle row it is seen which pixels differ from their neighbours.
+        let threes = height.div_ceil(3);
+        let turns = threes.div_ceil(TURN);
+        let mut done = 0.0;
+        for turn in 0..turns {
+            let rows = (turn..threes).step_by(turns as usize);
+            let band: Vec<UVec2> = rows
+                .flat_map(|three| 3 * three..(3 * three + 3).min(height))
                 .flat_map(|y| (0..width).map(move |x| UVec2::new(x, y)))
                 .collect();
-            let [from, to] =
-                [top, bottom].map(|row| first_share * f64::from(row) / f64::from(height));
-            let found = in_pieces(&band, 64, task.part(from, to), |pixels| {
-                self.centres(pixels)
-            })?;
+            let share = band.len() as f64 / (f64::from(width) * f64::from(height));
+            let task = task.part(first_share * done, first_share * (done + share).min(1.0));
+            let found = in_pieces(&band, 64, task, |pixels| self.centres(pixels))?;
             for (pixel, sample) in band.iter().zip(&found) {
                 put(&mut film, *pixel, &sample.values, Rerun::All);
                 let surface = &sample.surface;
                 let distance = (surface.distance as f32).min(NO_HIT);
                 film.set_surface(*pixel, distance, surface.normal.as_vec3());
+            }
+            done += share;
+            if turn == 0 && samples > 1 {
+                let resampled = self.resampled_share(&band, &found);
+                first_share = 1.0 / (1.0 + resampled * f64::from(samples));
             }
         }
         let mut refined = 0;
@@ -287,6 +305,38 @@ impl<'a> Reference<'a> {
         })
     }
 
+    /// The share of pixels that will be resampled, by the middle rows of threes of whole rows.
+    fn resampled_share(&self, pixels: &[UVec2], samples: &[Sample]) -> f64 {
+        let width = self.plan.conditions.view.size[0] as usize;
+        let threes = pixels
+            .chunks_exact(3 * width)
+            .zip(samples.chunks_exact(3 * width));
+        let shares: Vec<f64> = threes
+            .map(|(pixels, samples)| {
+                let pictures: Vec<DVec3> = samples.iter().map(Sample::picture).collect();
+                let airs: Vec<DVec3> = samples.iter().map(|s| air_of(&s.values)).collect();
+                let mut resampled = vec![false; width];
+                for (i, _) in differing([width, 3], &pictures, &airs) {
+                    if let Some(inner) = i.checked_sub(width).filter(|inner| *inner < width) {
+                        resampled[inner] = true;
+                    }
+                }
+                let middle = resampled.into_iter().zip(&pixels[width..]);
+                let count = middle.filter(|(differs, pixel)| *differs || self.is_veiled(**pixel));
+                count.count() as f64 / width as f64
+            })
+            .collect();
+        shares.iter().sum::<f64>() / shares.len().max(1) as f64
+    }
+
+    /// Whether one ray through a pixel shows only one of several surfaces, as these let light through.
+    pub(super) fn is_veiled(&self, pixel: UVec2) -> bool {
+        let Conditions { geometry, view, .. } = self.plan.conditions;
+        geometry.has_veils()
+            && view.points().is_none()
+            && geometry.is_veiled(&view.ray(centre(pixel)))
+    }
+
     /// The same with all pixels where one ray shows only one of several surfaces, as these let light through.
     fn with_veiled(&self, mut edges: Vec<(UVec2, Rerun)>) -> Vec<(UVec2, Rerun)> {
         let Conditions { geometry, view, .. } = self.plan.conditions;
@@ -297,7 +347,7 @@ impl<'a> Reference<'a> {
         let veiled: Vec<UVec2> = (0..width * height)
             .into_par_iter()
             .map(|i| UVec2::new(i % width, i / width))
-            .filter(|pixel| geometry.is_veiled(&view.ray(centre(*pixel))))
+            .filter(|pixel| self.is_veiled(*pixel))
             .collect();
         let is_veiled: HashSet<UVec2> = veiled.iter().copied().collect();
         edges.retain(|(pixel, _)| !is_veiled.contains(pixel));
@@ -307,7 +357,7 @@ impl<'a> Reference<'a> {
 
     /// The means over `offsets` of the fields of each pixel, and what of them a display has to show; `air` is the air's own light in a
     /// pixel where it is not made again.
-    fn means(
+    pub(super) fn means(
         &self,
         edges: &[(UVec2, Rerun)],
         offsets: &[DVec2],
@@ -339,6 +389,9 @@ impl<'a> Reference<'a> {
             .collect()
     }
 }
+
+/// So many threes of rows are worked off together.
+const TURN: u32 = 11;
 
 /// Puts the values of a pixel into the picture, those of the air's own light only where they were made.
 fn put(film: &mut Film, pixel: UVec2, values: &Values, rerun: Rerun) {
@@ -377,60 +430,6 @@ fn batch(pixels: usize, most: usize) -> usize {
     pixels.div_ceil(shares).clamp(1, most)
 }
 
-/// Wall time that each effect of the whole picture will take, one ray a pixel, judged by 2048 pixels, or by as many as take about a second.
-///
-/// Of an effect that keeps results, later pixels cost less: its time is taken to level off exponentially, as that of 2048
-/// pixels against that of the first 512 has it. A prediction, not a bound.
-pub fn predict(reference: &Reference) -> Vec<StepTime> {
-    let [w, h] = reference.plan.conditions.view.size;
-    let all = f64::from(w) * f64::from(h);
-    let pixels = spread([w, h], 2048);
-    let start = Instant::now();
-    // Where each ray takes long, fewer have to do.
-    let (probe, _) = pixels.split_at(pixels.len().min(32));
-    reference.pixels(probe);
-    let seconds_a_ray = start.elapsed().as_secs_f64() / probe.len() as f64;
-    let quarter = ((1.0 / seconds_a_ray) as usize / 4).max(probe.len());
-    let few = quarter.min(pixels.len().div_ceil(4)).max(probe.len());
-    let pixels = &pixels[..pixels.len().min(4 * few)];
-    let (few, rest) = pixels.split_at(few);
-    reference.pixels(&few[probe.len()..]);
-    let first = reference.times();
-    reference.pixels(rest);
-    let second = reference.times();
-    let seconds = |step: &StepTime| step.time.unwrap_or_default().as_secs_f64();
-    let cpu: f64 = second.iter().map(seconds).sum();
-    let cores = cpu / start.elapsed().as_secs_f64().max(1e-9);
-    first
-        .iter()
-        .zip(&second)
-        .map(|(a, b)| {
-            let (few_time, time) = (seconds(a), seconds(b));
-            let growth = if few_time > 0.0 { time / few_time } else { 4.0 };
-            let remembers = !b.effect.keeps.is_empty();
-            let whole = if !remembers || growth >= 4.0 || few.is_empty() {
-                time * all / pixels.len() as f64
-            } else {
-                // time(n) = c (1 - x^(n / few)), so growth = 1 + x + x^2 + x^3.
-                let (mut low, mut high) = (0.0f64, 1.0f64);
-                for _ in 0..50 {
-                    let x = 0.5 * (low + high);
-                    if 1.0 + x * (1.0 + x * (1.0 + x)) < growth {
-                        low = x;
-                    } else {
-                        high = x;
-                    }
-                }
-                few_time * (1.0 - low.powf(all / few.len() as f64)) / (1.0 - low)
-            };
-            StepTime {
-                time: Some(Duration::from_secs_f64(whole / cores.max(1.0))),
-                ..b.clone()
-            }
-        })
-        .collect()
-}
-
 fn centre(pixel: UVec2) -> DVec2 {
     pixel.as_dvec2() + 0.5
 }
@@ -449,13 +448,30 @@ fn air(frame: &Frame, pixel: usize) -> DVec3 {
     layers.map(|layer| layer.rgb[pixel].as_dvec3()).sum()
 }
 
+/// The air's own light among the values of a pixel [cd/m2].
+pub(super) fn air_of(values: &Values) -> DVec3 {
+    let fields = Field::layers().filter(|field| field.part() == Part::Air);
+    fields.map(|field| values[field as usize]).sum()
+}
+
 /// The pixels whose colour differs from one of their eight neighbours', and what must be resampled there.
 fn edges(frame: &Frame) -> Vec<(UVec2, Rerun)> {
-    let (width, height) = (frame.width as usize, frame.height as usize);
+    let size = [frame.width, frame.height].map(|side| side as usize);
     let (picture, air): (Vec<DVec3>, Vec<DVec3>) = (0..frame.pixels())
         .into_par_iter()
         .map(|i| (frame.picture(i), air(frame, i)))
         .unzip();
+    let at = |i: usize| UVec2::new((i % size[0]) as u32, (i / size[0]) as u32);
+    let differing = differing(size, &picture, &air).into_par_iter();
+    differing.map(|(i, rerun)| (at(i), rerun)).collect()
+}
+
+/// The same of a part of a picture, row by row, by index.
+pub(super) fn differing(
+    [width, height]: [usize; 2],
+    picture: &[DVec3],
+    air: &[DVec3],
+) -> Vec<(usize, Rerun)> {
     let differs = |values: &[DVec3], contrast: f64, a: usize, b: usize| {
         let brighter = luminance(picture[a]).max(luminance(picture[b]));
         (values[a] - values[b]).abs().max_element() > contrast * brighter
@@ -469,14 +485,13 @@ fn edges(frame: &Frame) -> Vec<(UVec2, Rerun)> {
         .into_par_iter()
         .filter_map(|i| {
             let (x, y) = (i % width, i / width);
-            let rerun = if around(x, y).any(|j| differs(&air, AIR_CONTRAST, i, j)) {
-                Rerun::All
-            } else if around(x, y).any(|j| differs(&picture, CONTRAST, i, j)) {
-                Rerun::WithoutAir
+            if around(x, y).any(|j| differs(air, AIR_CONTRAST, i, j)) {
+                Some((i, Rerun::All))
+            } else if around(x, y).any(|j| differs(picture, CONTRAST, i, j)) {
+                Some((i, Rerun::WithoutAir))
             } else {
-                return None;
-            };
-            Some((UVec2::new(x as u32, y as u32), rerun))
+                None
+            }
         })
         .collect()
 }

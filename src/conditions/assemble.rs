@@ -3,7 +3,8 @@
 use super::received::Lit;
 use super::request::{CameraChoice, DEFAULT_SIZE, Request};
 use super::{
-    Conditions, GroundPlane, Lamp, Receivers, Sun, View, checks, toward, typical_luminance, unused,
+    Conditions, GroundPlane, Lamp, Receivers, Sun, TOO_FAINT, View, checks, toward,
+    typical_luminance, unused,
 };
 use crate::ephemeris::civil::{self, Moment, Reading};
 use crate::ephemeris::{Site, SunPosition, Tier, Weather, sun_position};
@@ -204,9 +205,6 @@ fn moment(scene: &Scene, request: &Request, time: Option<&str>, height: f64) -> 
         },
     })
 }
-
-/// Surfaces that shine with less than this share of the luminance beside which they are seen are left out.
-const TOO_FAINT: f64 = 1e-3;
 
 /// The lamps of all that are not lost beside sun and sky. What a surface shines with bounds what it adds anywhere: no other surface
 /// and no air gets brighter by its light than it is itself.

@@ -4,7 +4,7 @@ use super::{Conditions, Lamp, Sun};
 use crate::colour::luminance;
 use crate::ephemeris::{self, Absence, DayEvents, HORIZON, civil};
 use crate::frame::Value;
-use crate::units::DEG;
+use crate::units::{DEG, brief};
 
 impl Conditions {
     /// What was understood, as labels and sentences.
@@ -46,8 +46,8 @@ impl Conditions {
         };
         let sun = match has_sun {
             true => format!(
-                "azimuth {azimuth:.3}, elevation {elevation:.3} degrees ({how}); {:.0} lx facing it",
-                self.sun.illuminance_lux()
+                "azimuth {azimuth:.3}, elevation {elevation:.3} degrees ({how}); {} lx facing it",
+                brief(self.sun.illuminance_lux())
             ),
             false => "none".to_owned(),
         };
@@ -66,9 +66,9 @@ impl Conditions {
             lines.push((
                 "sky",
                 format!(
-                    "{}; {:.0} lx on open ground",
+                    "{}; {} lx on open ground",
                     sky.describe(),
-                    luminance(sky.horizontal_illuminance())
+                    brief(luminance(sky.horizontal_illuminance()))
                 ),
             ));
         }

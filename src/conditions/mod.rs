@@ -94,6 +94,9 @@ pub fn toward(azimuth: f64, elevation: f64, north: f64) -> DVec3 {
     DVec3::new(cos_e * sin_a, sin_e, -cos_e * cos_a)
 }
 
+/// Surfaces that shine with less than this share of the luminance beside which they are seen are left out.
+const TOO_FAINT: f64 = 1e-3;
+
 /// A typical luminance under sun and sky alone [cd/m2]: open ground of albedo 0.2.
 fn typical_luminance(sun: &Sun, sky: Option<&Sky>) -> f64 {
     let by_sun = sun.illuminance_lux() * sun.toward.y.max(0.0);
@@ -156,14 +159,18 @@ impl Conditions {
     }
 
     /// Beside which luminance something has to be seen to matter [cd/m2]: the typical one, or a lower one where a surface shines that less
-    /// daylight meets than open ground, down to none in a room without windows.
+    /// daylight meets than open ground; in a room without windows a thousandth of its own.
     pub fn least_luminance(&self) -> f64 {
         let typical = self.typical_luminance();
         match typical_luminance(&self.sun, self.sky.as_deref()) {
             // Only lamps are there to be compared with.
             0.0 => typical,
             natural => {
-                let beside = self.lamps.iter().filter_map(|l| l.seen_beside(natural));
+                let beside = self.lamps.iter().filter_map(|lamp| {
+                    // Where nothing else is, its own light is what others are compared with.
+                    let own = TOO_FAINT * lamp.glow()?;
+                    Some(lamp.seen_beside(natural)?.max(own))
+                });
                 beside.fold(typical, f64::min)
             }
         }

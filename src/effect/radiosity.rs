@@ -10,6 +10,7 @@ use crate::colour::luminance;
 use crate::conditions::{Conditions, Input, Receivers};
 use crate::error::Result;
 use crate::radiosity::{Arrival, Care, Detail, Lattice, Light, Source as From, Transport};
+use crate::units::brief;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -115,11 +116,13 @@ pub const RADIOSITY: Effect = Effect {
         };
         let said = match alone {
             true => ", and no surface sends light to another".to_owned(),
-            false if others.is_finite() => format!(", surfaces add at most {others:.0} {unit}"),
+            false if others.is_finite() => {
+                format!(", surfaces add at most {} {unit}", brief(others))
+            }
             false => String::new(),
         };
         Decision::run(
-            format!("the sky gives {sky:.0} lx on open ground{said}"),
+            format!("the sky gives {} lx on open ground{said}", brief(sky)),
             Contribution::at_most(share * brightest.sky + others, conditions),
         )
     },

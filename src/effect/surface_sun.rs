@@ -21,6 +21,7 @@ use crate::beam::Beam;
 use crate::conditions::Conditions;
 use crate::scene::Ray;
 use crate::scene::disc::{DiscWork, Facing};
+use crate::units::brief;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -42,7 +43,10 @@ pub const SURFACE_SUN: Effect = Effect {
             return Decision::nothing(reason);
         }
         Decision::run(
-            format!("the sun gives {:.0} lx", conditions.sun.illuminance_lux()),
+            format!(
+                "the sun gives {} lx",
+                brief(conditions.sun.illuminance_lux())
+            ),
             Contribution::Bound(
                 conditions.air.greatest_sun_gain() * conditions.sun.illuminance_lux() / PI,
             ),

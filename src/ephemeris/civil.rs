@@ -357,6 +357,16 @@ pub fn resolve(
 /// # Errors
 /// As [`resolve`].
 pub fn resolve_with(text: &str, reading: &Reading) -> Result<Moment> {
+    let mut moment = read(text, reading)?;
+    if let Some(site) = reading.site {
+        moment
+            .warnings
+            .extend(swapped(site, moment.zone.as_deref()));
+    }
+    Ok(moment)
+}
+
+fn read(text: &str, reading: &Reading) -> Result<Moment> {
     let text = text.trim();
     let named = reading.zone.map(zone_or_offset).transpose()?;
     if text.eq_ignore_ascii_case("now") {
@@ -447,7 +457,7 @@ pub fn instant_with(text: &str, reading: &Reading) -> Result<Instant> {
         Some(digits) => {
             Instant::from_julian(julian_date(text, digits)?, reading.scale, reading.delta_t)
         }
-        None => Ok(resolve_with(text, reading)?.instant),
+        None => Ok(read(text, reading)?.instant),
     }
 }
 
@@ -499,6 +509,27 @@ fn finish(instant: Instant, utc: DateTime<Utc>, clock: Zone, reading: &Reading) 
         tz_database: clock.name.as_ref().map(|_| tz_database()),
         warnings,
         clock,
+    })
+}
+
+/// Says where a place would be if its latitude and longitude were swapped, when that looks more likely: where the zone that was named
+/// is, or on inhabited land instead of the open sea or the Antarctic.
+fn swapped(site: &Site, zone: Option<&str>) -> Option<Warning> {
+    let (latitude, longitude) = (site.latitude_deg(), site.longitude_deg());
+    if longitude.abs() > 90.0 {
+        return None;
+    }
+    let here = FINDER.get_tz_names(longitude, latitude);
+    let there = FINDER.get_tz_names(latitude, longitude);
+    let is_empty = |name: &&&str| name.starts_with("Etc/") || name.starts_with("Antarctica/");
+    let named = zone.filter(|zone| !here.contains(zone) && there.contains(zone));
+    let likely = match here.iter().all(|name| is_empty(&name)) {
+        true => there.iter().find(|name| !is_empty(name)).copied(),
+        false => None,
+    };
+    Some(Warning::PerhapsSwapped {
+        place: site.coordinates(),
+        zone: named.or(likely)?.to_owned(),
     })
 }
 

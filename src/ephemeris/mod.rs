@@ -15,6 +15,7 @@ mod day;
 mod delta_t;
 mod directions;
 mod events;
+pub mod gazetteer;
 mod julian;
 mod minute;
 mod place;

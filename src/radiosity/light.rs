@@ -166,10 +166,10 @@ impl Light {
             false => "",
         };
         format!(
-            "{surfaces} patches{coarse}, {reached} of them in reach of light{closed}; {openings}; rows corrected by {:.1} % at most; of \
-             the light that surfaces received from outside {:.1} % was absorbed, {:.1} % escaped, {:.1} % the air took, {:.3} % was not \
+            "{surfaces} patches{coarse}, {reached} of them in reach of light{closed}; {openings}; what patches see of each other was balanced \
+             by factors up to {:.2}; of the light that surfaces received from outside {:.1} % was absorbed, {:.1} % escaped, {:.1} % the air took, {:.3} % was not \
              shot",
-            100.0 * exchange.correction.min(9.99),
+            1.0 + exchange.correction.min(99.0),
             share(account.absorbed),
             share(account.escaped),
             share(account.taken),

@@ -7,6 +7,7 @@
 
 use super::{ANY, median};
 use crate::accuracy::{self, LayerError};
+use crate::backend::predict::predict;
 use crate::backend::reference::Reference;
 use crate::backend::{Backend, Rendered};
 use crate::colour::luminance;
@@ -143,6 +144,20 @@ fn plan<'c>(
             ..Overrules::default()
         },
     )
+}
+
+/// What a frame that starts afresh takes on the CPU as at [`OTHERS`] [s], by preparing it and judging its rays.
+///
+/// # Errors
+/// Those of [`Plan::new`] and [`Reference::new`].
+pub fn frame_seconds(conditions: &Conditions, extra: &[(String, f64)]) -> Result<f64> {
+    let begun = Instant::now();
+    let plan = plan(conditions, &Trial::Quality(OTHERS), extra)?;
+    let reference = Reference::new(&plan)?;
+    let prepared = begun.elapsed().as_secs_f64();
+    let steps = predict(&reference, Duration::from_millis(500));
+    let rays = steps.iter().filter_map(|step| step.time);
+    Ok(prepared + rays.sum::<Duration>().as_secs_f64())
 }
 
 /// What the reference makes of the layers when it looks more closely than in any trial: at `high` with more rays, finer

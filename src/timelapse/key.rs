@@ -148,6 +148,8 @@ pub struct Settings<'a> {
     pub backend: &'a str,
     /// The exposure of all frames [EV100], if it is one.
     pub exposure: Option<f64>,
+    /// How many stops brighter than metered they are, if their exposure is planned.
+    pub stops: f64,
 }
 
 /// Hash of settings.
@@ -160,6 +162,7 @@ pub fn of_settings(settings: &Settings<'_>) -> String {
         space,
         backend,
         exposure,
+        stops,
     } = settings;
     let mut hash = Hash::new();
     let view = &conditions.view;
@@ -194,6 +197,7 @@ pub fn of_settings(settings: &Settings<'_>) -> String {
     hash.take("space", space);
     hash.take("backend", backend);
     hash.take("exposure", exposure);
+    hash.take("stops", stops);
     hash.hexadecimal()
 }
 

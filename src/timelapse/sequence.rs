@@ -40,6 +40,8 @@ pub struct Asked {
     pub space: OutputSpace,
     /// The exposure of all frames [EV100]; absent: planned.
     pub exposure: Option<f64>,
+    /// How many stops brighter than metered frames are whose exposure is planned.
+    pub stops: f64,
     /// The index of the first frame.
     pub first: u64,
     /// The command line that makes the whole sequence.
@@ -155,6 +157,7 @@ impl Sequence {
             layers,
             space,
             exposure: fixed,
+            stops,
             first,
             command,
         } = &self.asked;
@@ -170,6 +173,7 @@ impl Sequence {
             space,
             backend: &backend.identity(),
             exposure: *fixed,
+            stops: *stops,
         };
         let site = &self.site.site;
         Ok(Header {
@@ -259,7 +263,8 @@ impl Sequence {
         let exposure = match self.asked.exposure {
             Some(ev100) => vec![[0.0, ev100]],
             None => {
-                let seen = numbers().filter_map(|(number, m)| Some([number, m.ev100?]));
+                let seen =
+                    numbers().filter_map(|(number, m)| Some([number, m.ev100? - self.asked.stops]));
                 seen.collect()
             }
         };
@@ -368,7 +373,8 @@ impl Sequence {
         let ExposurePlan::Curve(frames) = exposure else {
             return Ok(Vec::new());
         };
-        let metered = |frame: &KeyFrame| (!frame.is_black).then_some(frame.ev100);
+        let metered =
+            |frame: &KeyFrame| (!frame.is_black).then_some(frame.ev100 + self.asked.stops);
         let level = |frame: &&KeyFrame| metered(frame).unwrap_or(f64::NEG_INFINITY);
         let by_level = |a: &&KeyFrame, b: &&KeyFrame| level(a).total_cmp(&level(b));
         // The first of equals.
@@ -401,16 +407,17 @@ impl Sequence {
         named && shard.is_none_or(|shard| shard.holds(index - self.asked.first))
     }
 
-    /// Renders a frame and writes its files, which hold its key.
+    /// Renders a frame and writes its files, which hold its key. The picture is shown to `accept` before: what that refuses is not written.
     ///
     /// # Errors
-    /// Those of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::picture::write`].
+    /// Those of `accept`, of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::picture::write`].
     pub fn render(
         &self,
         line: &FrameLine,
         backend: &mut Backend,
         limits: &Limits,
         progress: Progress,
+        accept: &mut dyn FnMut(&Conditions, &Frame) -> Result<()>,
     ) -> Result<Rendered> {
         let Asked {
             overrules,
@@ -421,6 +428,7 @@ impl Sequence {
         let conditions = self.conditions_of(line)?;
         let plan = Plan::new(&conditions, overrules)?;
         let mut rendered = backend.render(&plan, limits, progress)?;
+        accept(&conditions, &rendered.frame)?;
         let record = &mut rendered.frame.record;
         backend.record(&plan, record);
         record.set("exposure_ev100", line.ev100);

@@ -5,8 +5,10 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
 use tyndall::backend::check::{Check, Yardstick};
 use tyndall::conditions::Conditions;
+use tyndall::effect::Kept;
 use tyndall::frame::Frame;
 use tyndall::plan::{Overrules, Plan};
+use tyndall::task::Task;
 use tyndall::{Error, Result};
 
 /// How pictures are measured, and where that is written.
@@ -24,20 +26,26 @@ pub struct CheckArgs {
 }
 
 impl CheckArgs {
-    /// The measured error of a picture, if it was asked for. It is compared with the reference at its finest, with the same effects.
+    /// Whether pictures are to be measured.
+    pub fn is_asked(&self) -> bool {
+        self.check.is_some()
+    }
+
+    /// The measured error of a picture, if it was asked for. It is compared with the reference at its finest, with the same effects; what is
+    /// kept of earlier pictures serves this one.
     pub fn measure(
         &self,
-        conditions: &Conditions,
-        overrules: &Overrules,
+        (conditions, overrules): (&Conditions, &Overrules),
         frame: &Frame,
+        kept: &Kept,
+        task: Task,
     ) -> Result<Option<Check>> {
         let Some(count) = self.check else {
             return Ok(None);
         };
         let finest = Plan::new(conditions, &overrules.finest())?;
-        Yardstick::new(&finest, count as usize)?
-            .check(frame)
-            .map(Some)
+        let yardstick = Yardstick::keeping(&finest, count as usize, kept, task)?;
+        yardstick.check(frame).map(Some)
     }
 
     /// Whether a picture, called this, is as right as it was asked to be.

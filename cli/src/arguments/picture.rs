@@ -20,8 +20,8 @@ pub struct PictureArgs {
     /// The layers of the EXR, separated by commas, or all [default: those that the scene can hold something in, whatever the hour]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = hinted(text, output::layer_names().chain([EVERY])), hide_possible_values = true)]
     layers: Vec<String>,
-    /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2 [default: the scene's, or auto]
-    #[arg(long, value_name = "auto|EV", allow_negative_numbers = true, value_parser = hinted(exposure_flag, ["auto"]), hide_possible_values = true)]
+    /// Exposure of the PNG: auto, auto+2 for two stops brighter, or the EV100 whose white is 1.2 * 2^EV cd/m2 [default: the scene's, or auto]
+    #[arg(long, value_name = "auto[+STOPS]|EV", allow_negative_numbers = true, value_parser = hinted(exposure_flag, ["auto"]), hide_possible_values = true)]
     exposure: Option<Exposure>,
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
     #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = hinted(space, SPACES), hide_possible_values = true)]
@@ -50,8 +50,16 @@ impl PictureArgs {
     pub fn ev100(&self, scene: &Scene) -> Option<f64> {
         match self.exposure {
             Some(Exposure::Ev100(ev100)) => Some(ev100),
-            Some(Exposure::Auto) => None,
+            Some(Exposure::Auto(_)) => None,
             None => scene.picture.exposure_ev100,
+        }
+    }
+
+    /// How many stops brighter than metered pictures are shown that are metered.
+    pub fn stops(&self) -> f64 {
+        match self.exposure {
+            Some(Exposure::Auto(stops)) => stops,
+            _ => 0.0,
         }
     }
 
@@ -90,7 +98,8 @@ pub const SPACES: [&str; 4] = ["rec709", "rec2020", "acescg", "xyz"];
 /// The exposure of a PNG.
 #[derive(Debug, Clone, Copy)]
 pub enum Exposure {
-    Auto,
+    /// As metered, so many stops brighter.
+    Auto(f64),
     Ev100(f64),
 }
 
@@ -143,16 +152,50 @@ pub fn output_space(space: Space, numbers: Numbers) -> OutputSpace {
     OutputSpace::new(space, numbers)
 }
 
-/// `auto` or an EV100.
+/// `auto`, with stops to add, or an EV100.
 pub fn exposure_flag(text: &str) -> Result<Exposure, String> {
-    match text.parse::<f64>() {
-        _ if text == "auto" => Ok(Exposure::Auto),
-        Ok(ev) if (-20.0..=40.0).contains(&ev) => Ok(Exposure::Ev100(ev)),
-        _ => Err("auto, or an EV100 from -20 to 40, was expected".into()),
+    let stops = match text.strip_prefix("auto") {
+        Some("") => Some(Ok(0.0)),
+        Some(stops) if stops.starts_with(['+', '-']) => Some(stops.parse::<f64>()),
+        _ => None,
+    };
+    match (stops, text.parse::<f64>()) {
+        (Some(Ok(stops)), _) if stops.abs() <= 20.0 => Ok(Exposure::Auto(stops)),
+        (None, Ok(ev)) if (-20.0..=40.0).contains(&ev) => Ok(Exposure::Ev100(ev)),
+        _ => Err("auto, auto+2 or auto-1.5 for stops brighter or darker, or an EV100 from -20 to 40, was expected".into()),
     }
 }
 
 /// A colour space by its name.
 pub fn space(text: &str) -> Result<Space, String> {
     text.parse().map_err(|e: tyndall::Error| e.remedy())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exposures() {
+        let of = |text: &str| match exposure_flag(text) {
+            Ok(Exposure::Auto(stops)) => Some((true, stops)),
+            Ok(Exposure::Ev100(ev)) => Some((false, ev)),
+            Err(_) => None,
+        };
+        assert_eq!(of("auto"), Some((true, 0.0)));
+        assert_eq!(of("auto+2"), Some((true, 2.0)));
+        assert_eq!(of("auto-1.5"), Some((true, -1.5)));
+        assert_eq!(of("-2"), Some((false, -2.0)));
+        for bad in [
+            "auto2",
+            "auto+",
+            "auto+x",
+            "auto+99",
+            "41",
+            "NaN",
+            "automatic",
+        ] {
+            assert_eq!(of(bad), None, "{bad}");
+        }
+    }
 }

@@ -1,18 +1,55 @@
 //! The flags for a place and a time, shared by every command that asks where the sun is.
 
 use crate::arguments::hinted::{hinted, zones};
+use crate::tell;
 use chrono::TimeDelta;
 use clap::Args;
 use tyndall::ephemeris::civil::{self, Fold, Moment, Reading};
+use tyndall::ephemeris::gazetteer::{self, NamedPlace};
 use tyndall::ephemeris::{Site, Tier, TimeScale, Weather, duration};
 use tyndall::{Error, Result};
 
-/// Where: `--at`.
+/// Where: `--at`, or `--place`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PlaceArgs {
     /// The place: degrees north and east, and metres above sea level, as in 48.8584,2.2945,35 or 33°51'36"S,151.2E
     #[arg(long, value_name = "LAT,LON[,ELEV]", value_parser = site, allow_hyphen_values = true)]
-    pub at: Option<Site>,
+    at: Option<Site>,
+    /// The place by its name, as in Chicago: the principal places of all time zones are known
+    #[arg(long, value_name = "NAME", value_parser = hinted(place, gazetteer::names()), hide_possible_values = true, conflicts_with = "at")]
+    place: Option<NamedPlace>,
+}
+
+impl PlaceArgs {
+    /// The place, if one is given.
+    pub fn site(&self) -> Option<Site> {
+        self.at.or(self.place.as_ref().map(|place| place.site))
+    }
+
+    /// Says which place a name was taken for.
+    pub fn say(&self) {
+        if let Some(NamedPlace {
+            name,
+            country,
+            site,
+            ..
+        }) = &self.place
+        {
+            tell::line(
+                "place",
+                format!(
+                    "{name}, {country}: --at {},{}",
+                    site.latitude_deg(),
+                    site.longitude_deg()
+                ),
+            );
+        }
+    }
+}
+
+/// A place by its name.
+fn place(text: &str) -> Result<NamedPlace, String> {
+    gazetteer::named(text).map_err(|error| format!("{}; {}", error.problem(), error.remedy()))
 }
 
 /// When: `--time` and how to read it.
@@ -66,6 +103,14 @@ impl TimeArgs {
     /// # Errors
     /// [`Error::Input`] or [`Error::Domain`] from [`civil::resolve_with`], and for a civil time with `--time-scale tt`.
     pub fn moment(&self, text: &str, site: Option<&Site>) -> Result<Moment> {
+        self.moment_by(text, &self.reading(site))
+    }
+
+    /// The same as another reading has it, such as that of a scene with a zone.
+    ///
+    /// # Errors
+    /// Those of [`Self::moment`].
+    pub fn moment_by(&self, text: &str, reading: &Reading) -> Result<Moment> {
         let julian = text
             .trim()
             .get(..2)
@@ -77,7 +122,7 @@ impl TimeArgs {
                 "write the time as a Julian date, JD2451545.0, or leave out --time-scale",
             ));
         }
-        civil::resolve_with(text, &self.reading(site))
+        civil::resolve_with(text, reading)
     }
 }
 

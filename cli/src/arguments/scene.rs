@@ -259,10 +259,11 @@ impl SceneArgs {
         if self.sun.is_some() {
             scene.site = None;
             scene.time = None;
-        } else if self.place.at.is_some() || self.time.time.is_some() {
+        } else if self.place.site().is_some() || self.time.time.is_some() {
             scene.sun = None;
         }
-        if let Some(site) = &self.place.at {
+        if let Some(site) = self.place.site() {
+            self.place.say();
             scene.site = Some(SiteEntry {
                 latitude_deg: site.latitude_deg(),
                 longitude_deg: site.longitude_deg(),

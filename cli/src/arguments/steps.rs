@@ -1,6 +1,74 @@
 //! The instants of a table: a start, and one after each step up to an end.
 
 use chrono::{DateTime, TimeDelta, Utc};
+use tyndall::ephemeris::Site;
+use tyndall::ephemeris::civil::{self, Moment, Reading, Zone};
+use tyndall::{Error, Result};
+
+/// No more rows than these of a range: they are made before the first is printed.
+const MOST_ROWS: u64 = 100_000;
+
+/// A range of times as flags give it, and the clock by which it is read.
+pub struct Range {
+    /// Its instants.
+    pub steps: Steps,
+    /// The clock of its beginning.
+    pub clock: Zone,
+}
+
+impl Range {
+    /// That from one text up to, not including, another, each read by `moment`; a date alone begins with its first moment. A step is an
+    /// hour unless one is given.
+    ///
+    /// # Errors
+    /// Those of reading; [`Error::Input`] where the end is not after the beginning; [`Error::Domain`] for too many steps.
+    pub fn read(
+        [from, until]: [&str; 2],
+        step: Option<TimeDelta>,
+        site: &Site,
+        zone: Option<&str>,
+        moment: impl Fn(&str) -> Result<Moment>,
+    ) -> Result<Self> {
+        let read = |text: &str| -> Result<(DateTime<Utc>, Zone)> {
+            Ok(match civil::date_alone(text)? {
+                Some(date) => {
+                    let zone = civil::zone_for(zone, site, date)?;
+                    (zone.day(date)?.0, zone)
+                }
+                None => {
+                    let moment = moment(text)?;
+                    (moment.utc, moment.clock)
+                }
+            })
+        };
+        let ((start, clock), (end, _)) = (read(from)?, read(until)?);
+        if end <= start {
+            return Err(Error::input(
+                "--until",
+                format!("{until} is not after --time"),
+                "give a later time",
+            ));
+        }
+        let steps = Steps::new(start, end, step.unwrap_or(TimeDelta::hours(1)));
+        if steps.count > MOST_ROWS {
+            return Err(Error::domain(
+                "the number of rows",
+                steps.count,
+                format!("1 to {MOST_ROWS}"),
+                "give a larger --step, or a part of the range",
+            ));
+        }
+        Ok(Range { steps, clock })
+    }
+
+    /// One of its moments, counted from zero.
+    ///
+    /// # Errors
+    /// [`Error::Domain`] outside the years of ephemerides.
+    pub fn moment(&self, number: u64, reading: &Reading) -> Result<Moment> {
+        Moment::at(self.steps.at(number), &self.clock, reading)
+    }
+}
 
 /// Instants from `start` on, `step` apart, before an end.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +90,11 @@ impl Steps {
             step,
             count: u64::try_from(count).unwrap_or(0),
         }
+    }
+
+    /// The time from one to the next [s].
+    pub fn step_seconds(&self) -> f64 {
+        self.step as f64 / 1e9
     }
 
     /// Whether some of them are within half a day of each other.

@@ -49,6 +49,7 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
     let quiet = "other work on this machine lowers the rates, not the errors";
     match args.effect {
         Measured::Ephemeris => {
+            args.study.refuse_plot("ephemeris")?;
             tell::line(
                 "study",
                 format!("four tiers of the sun's position, for about 6 s; {quiet}"),
@@ -58,6 +59,7 @@ pub fn run(args: &AccuracyArgs) -> Result<()> {
             print(args.form, rows, |out| ephemeris_table(out, &prices))
         }
         Measured::Sky => {
+            args.study.refuse_plot("sky")?;
             tell::line(
                 "study",
                 format!("patches, maps and bands of the sky, for about 8 s; {quiet}"),

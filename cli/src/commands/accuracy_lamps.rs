@@ -1,7 +1,7 @@
 //! `tyndall accuracy --effect lamps`: what the accuracy of the light of lamps in the air costs, integrator by integrator.
 
 use crate::arguments::form::FormArgs;
-use crate::commands::study::{StudyArgs, error_over_time};
+use crate::commands::study::{StudyArgs, by_pixels, error_over_time};
 use crate::plots::plot::{Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
@@ -15,8 +15,8 @@ use tyndall::studies::pareto;
 /// Their size [pixels].
 const SIZE: [u32; 2] = [120, 80];
 
-/// What a setting takes in one of them, on two cores of a server [s].
-const SECONDS: f64 = 0.5;
+/// What a frame of a setting takes in one of them, on two cores of a server [s].
+const SECONDS: f64 = 0.1;
 
 /// All measurements of a scene.
 struct Study {
@@ -30,7 +30,7 @@ struct Study {
 pub fn run(flags: &StudyArgs, form: FormArgs) -> Result<()> {
     let mut studies = Vec::new();
     let scenes = flags.scenes(&lamp_scenes::NAMES, SIZE)?;
-    let mut watch = flags.watch(&scenes, sweeps().len(), (SIZE, SECONDS));
+    let mut watch = flags.watch(&scenes, sweeps().len(), by_pixels(&scenes, (SIZE, SECONDS)));
     for (scene, conditions) in scenes {
         watch.next(&scene, "the reference");
         let truth = truth(&conditions)?;

@@ -12,7 +12,7 @@ use serde_json::json;
 use tyndall::Result;
 use tyndall::accuracy::LayerError;
 use tyndall::studies::pareto;
-use tyndall::studies::radiosity::{LAYERS, OTHERS, Outcome, measure, trials, truth};
+use tyndall::studies::radiosity::{LAYERS, OTHERS, Outcome, frame_seconds, measure, trials, truth};
 
 /// The flags of the study of light from sky and surfaces.
 #[derive(Args, Debug)]
@@ -28,8 +28,8 @@ const SCENES: [&str; 3] = ["room", "court", "hills"];
 /// Their size [pixels].
 const SIZE: [u32; 2] = [48, 32];
 
-/// What a setting takes in one of them, on two cores of a server [s].
-const SECONDS: f64 = 40.0;
+/// What frames of all settings take on average, over one of usual settings: fine ones take longest.
+const FINER: f64 = 1.5;
 
 /// All measurements of a scene.
 struct Study {
@@ -45,7 +45,10 @@ pub fn run(flags: &StudyArgs, own: &RadiosityArgs, form: FormArgs) -> Result<()>
     let described = backend.describe();
     let mut studies = Vec::new();
     let scenes = flags.scenes(&SCENES, SIZE)?;
-    let mut watch = flags.watch(&scenes, trials().len(), (SIZE, SECONDS));
+    let seconds = scenes.iter().map(|(_, c)| frame_seconds(c, &flags.set));
+    let seconds = seconds.collect::<Result<Vec<f64>>>()?;
+    let seconds = seconds.into_iter().map(|seconds| FINER * seconds);
+    let mut watch = flags.watch(&scenes, trials().len(), seconds);
     for (scene, conditions) in scenes {
         watch.next(&scene, "the reference");
         let truth = truth(&conditions, &flags.set)?;

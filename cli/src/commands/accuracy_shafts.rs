@@ -3,7 +3,7 @@
 use crate::arguments::form::FormArgs;
 use crate::arguments::hinted::hinted;
 use crate::arguments::scene::{METHODS, MethodFlag, method};
-use crate::commands::study::{StudyArgs, error_over_time};
+use crate::commands::study::{StudyArgs, by_pixels, error_over_time};
 use crate::plots::plot::{Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
@@ -40,8 +40,8 @@ const SCENES: [&str; 3] = ["slats", "colonnade", "forest"];
 /// Their size [pixels].
 const SIZE: [u32; 2] = [512, 512];
 
-/// What a setting takes in one of them on a software adapter of two cores [s]; a graphics card takes a hundredth.
-const SECONDS: f64 = 15.0;
+/// What a frame of a setting takes in one of them on a software adapter of two cores [s]; a graphics card takes a hundredth.
+const SECONDS: f64 = 2.5;
 
 /// All measurements of a scene.
 struct Study {
@@ -71,7 +71,7 @@ pub fn run(flags: &StudyArgs, own: &ShaftsArgs, form: FormArgs) -> Result<()> {
         all.filter(|trial| is_wanted(trial.method)).collect()
     };
     let scenes = flags.scenes(&SCENES, SIZE)?;
-    let mut watch = flags.watch(&scenes, trials().len(), (SIZE, SECONDS));
+    let mut watch = flags.watch(&scenes, trials().len(), by_pixels(&scenes, (SIZE, SECONDS)));
     for (scene, conditions) in scenes {
         watch.next(&scene, "the reference");
         let truth = truth(&conditions)?;

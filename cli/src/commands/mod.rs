@@ -14,6 +14,7 @@ pub mod doctor;
 pub mod photometry;
 pub mod plan;
 pub mod render;
+mod render_range;
 pub mod scene;
 pub mod schema;
 pub mod sky;

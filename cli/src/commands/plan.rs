@@ -7,10 +7,12 @@ use crate::tables::stdout;
 use crate::tell;
 use clap::Args;
 use serde_json::json;
+use std::time::Duration;
 use tyndall::Result;
 use tyndall::backend::StepTime;
-use tyndall::backend::reference::{Reference, predict};
-use tyndall::effect::Contribution;
+use tyndall::backend::predict::predict;
+use tyndall::backend::reference::Reference;
+use tyndall::effect::{Contribution, Kept};
 use tyndall::error::with_short_numbers;
 use tyndall::plan::{Plan, Step};
 
@@ -25,12 +27,17 @@ pub struct PlanCommand {
     form: FormArgs,
 }
 
+/// The time in which it is judged how long a picture takes.
+const ALLOWED: Duration = Duration::from_secs(1);
+
 /// Plans.
 pub fn run(args: &PlanCommand) -> Result<()> {
     let conditions = args.view.conditions()?;
     let plan = Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    let seconds = predict(&Reference::new(&plan)?);
+    let kept = Kept::default();
+    let reference = tell::watched(None, |task| Reference::keeping(&plan, &kept, task))?;
+    let seconds = predict(&reference, ALLOWED);
     let in_seconds = |step: &StepTime| step.time.unwrap_or_default().as_secs_f64();
     let seconds_of = |step: &Step| {
         let name = step.effect.name;
@@ -100,12 +107,12 @@ pub fn run(args: &PlanCommand) -> Result<()> {
     }
     let total: f64 = seconds.iter().map(in_seconds).sum();
     text += &with_short_numbers(format!(
-        "\nabout {total:.0} s for {} x {} pixels on {} threads, from 2048 of them at most; left out: what is certain to add less than {} of {:.0} cd/m2\n",
+        "\nabout {total:.0} s for {} x {} pixels on {} threads, judged by some of them; left out: what is certain to add less than {} of {} cd/m2\n",
         conditions.view.size[0],
         conditions.view.size[1],
         rayon::current_num_threads(),
         plan.tolerance,
-        conditions.least_luminance(),
+        significant(conditions.least_luminance()),
     ));
     stdout::print(&text)
 }

@@ -4,21 +4,26 @@ use crate::arguments::check::CheckArgs;
 use crate::arguments::grid::scale;
 use crate::arguments::memory::MemoryArgs;
 use crate::arguments::picture::PictureArgs;
+use crate::arguments::place_time::step;
 use crate::arguments::scene::{PlanArgs, ViewArgs};
+use crate::commands::render_range;
 use crate::machine;
+use crate::signals;
 use crate::tables::{stdout, work};
 use crate::targets::{FormatArgs, Targets};
 use crate::tell;
+use chrono::TimeDelta;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use tyndall::Result;
-use tyndall::backend::Rendered;
 use tyndall::backend::check::Check;
 use tyndall::backend::choose::choose;
 use tyndall::backend::convergence::Convergence;
+use tyndall::backend::{Limits, Rendered};
 use tyndall::colour::{exposure, luminance};
+use tyndall::effect::Kept;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
 use tyndall::output::scale::Scale;
@@ -30,30 +35,42 @@ use tyndall::warning::Warning;
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[command(flatten)]
-    view: ViewArgs,
+    pub view: ViewArgs,
     #[command(flatten)]
-    plan: PlanArgs,
+    pub plan: PlanArgs,
+    /// The end of a range that begins at --time: a row of values for each step instead of pictures; it is not in the table itself
+    #[arg(long, value_name = "T", allow_hyphen_values = true, conflicts_with_all = ["sun", "false_colour", "exposure"])]
+    until: Option<String>,
+    /// The step of a range: a number of seconds, or with s, min, h or d (24 h), as in 30min [default: 1h]
+    #[arg(long, value_name = "STEP", value_parser = step, requires = "until")]
+    pub step: Option<TimeDelta>,
     /// A file to write, by its ending .png, .jpg, .exr or .hdr, or - for standard output; may be repeated [default: tyndall.png and tyndall.exr]
     #[arg(short, long, value_name = "FILE|-")]
-    output: Vec<PathBuf>,
+    pub output: Vec<PathBuf>,
     #[command(flatten)]
     format: FormatArgs,
     /// Show luminance [cd/m2] in the PNG as false colours with isolines and a legend, in a range: 0..2000
     #[arg(long, value_name = "LOW..HIGH", value_parser = scale, conflicts_with = "exposure")]
     false_colour: Option<Scale>,
     #[command(flatten)]
-    picture: PictureArgs,
+    pub picture: PictureArgs,
     #[command(flatten)]
-    check: CheckArgs,
-    /// Print what was done as JSON
+    pub check: CheckArgs,
+    /// Print what was done as JSON, or the rows of a range
     #[arg(long)]
-    json: bool,
+    pub json: bool,
+    /// Print the rows of a range as CSV
+    #[arg(long, requires = "until", conflicts_with = "json")]
+    pub csv: bool,
     #[command(flatten)]
-    memory: MemoryArgs,
+    pub memory: MemoryArgs,
 }
 
 /// Renders.
 pub fn run(args: &RenderArgs) -> Result<()> {
+    if let Some(until) = &args.until {
+        return render_range::run(args, until);
+    }
     let start = Instant::now();
     let files = if args.output.is_empty() {
         vec![PathBuf::from("tyndall.png"), PathBuf::from("tyndall.exr")]
@@ -86,7 +103,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // What is wrong with the flags is said before anything is measured.
     Plan::new(&conditions, &args.plan.overrules())?;
     tell::conditions(&conditions);
-    let limits = args.memory.limits();
+    let stop = signals::asked_to_end();
+    let limits = Limits {
+        stop: Some(stop),
+        ..args.memory.limits()
+    };
     let mut overrules = args.plan.overrules();
     let mut stages = vec![("prepare".to_owned(), start.elapsed().as_secs_f64())];
     let opening = Instant::now();
@@ -94,7 +115,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     stages.push(("device".to_owned(), opening.elapsed().as_secs_f64()));
     let planning = Instant::now();
     if let Some(goal) = args.plan.goal() {
-        let chosen = choose(&mut backend, &conditions, &overrules, goal, &limits)?;
+        let bar = tell::bar();
+        let step = |step| bar.step(step);
+        let chosen = choose(&mut backend, &conditions, &overrules, goal, &limits, &step);
+        drop(bar);
+        let chosen = chosen.inspect_err(|error| say_kept(error, files))?;
         tell::chosen(&chosen.why);
         overrules = chosen.overrules;
     }
@@ -103,8 +128,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     stages.push(("plan".to_owned(), planning.elapsed().as_secs_f64()));
 
     let bar = tell::bar();
-    let mut rendered = backend.render(&plan, &limits, &|step| bar.step(step))?;
+    let rendered = backend.render(&plan, &limits, &|step| bar.step(step));
     drop(bar);
+    let mut rendered = rendered.inspect_err(|error| say_kept(error, files))?;
 
     let converging = Instant::now();
     let convergence = Convergence::of(&plan, pixels_to_converge(&rendered.frame))?;
@@ -113,7 +139,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let given = args.picture.ev100(&conditions.scene);
     let metered = metered(&rendered.frame);
     // A black picture is black at any exposure.
-    let ev100 = given.or(metered).unwrap_or(0.0);
+    let metered_for = metered.map(|ev100| ev100 - args.picture.stops());
+    let ev100 = given.or(metered_for).unwrap_or(0.0);
     let odd = match (given, metered) {
         (Some(_), Some(_)) => None,
         _ => {
@@ -145,10 +172,11 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         tell::convergence(convergence);
     }
     tell::files(files);
-    let overrules = args.plan.overrules();
-    let check = args
-        .check
-        .measure(&conditions, &overrules, &rendered.frame)?;
+    let checked = (&conditions, &args.plan.overrules());
+    let check = tell::watched(Some(stop), |task| {
+        args.check
+            .measure(checked, &rendered.frame, &Kept::default(), task)
+    })?;
     if let Some(check) = &check {
         tell::check(&work::check_lines(check));
     }
@@ -169,6 +197,18 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         stdout::print_json(&report)?;
     }
     check.map_or(Ok(()), |check| args.check.judge("the picture", &check))
+}
+
+/// Says what is left of work that was stopped.
+fn say_kept(error: &Error, files: &[PathBuf]) {
+    if let Error::Stopped = error {
+        let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+        let names = names.join(", ");
+        tell::line(
+            "kept",
+            format!("nothing of this picture; not written: {names}"),
+        );
+    }
 }
 
 /// On how many pixels it is measured how far points of the sun's disc are from converged: few against the picture's own.

@@ -9,9 +9,9 @@ use crate::arguments::picture::{
 use crate::arguments::place_time::{PlaceArgs, SunArgs, TimeArgs, step};
 use crate::arguments::scene::pair;
 use crate::arguments::size::{SizeFlag, size};
-use crate::arguments::steps::Steps;
+use crate::arguments::steps::Range;
 use crate::machine;
-use crate::tables::columns::{self, Columns};
+use crate::tables::columns::{self, Columns, short};
 use crate::tables::printer::{As, Form};
 use crate::tables::sky_batch;
 use crate::tables::stdout::{self, Out};
@@ -26,7 +26,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tyndall::backend::Backend;
 use tyndall::colour::{self, Space, exposure, luminance, xyz_from_working};
-use tyndall::ephemeris::civil::{self, Moment, Zone};
+use tyndall::ephemeris::civil::{self, Moment};
 use tyndall::ephemeris::{Weather, sun_position};
 use tyndall::frame::Frame;
 use tyndall::output::{self, Format, HALF_MOST, Numbers, OutputSpace, Units};
@@ -56,7 +56,7 @@ pub struct SkyArgs {
     #[command(flatten)]
     ephemeris: SunArgs,
     /// Put the sun there instead: degrees, azimuth from north through east; no refraction is added
-    #[arg(long, value_name = "AZ,EL", value_parser = pair, allow_hyphen_values = true, conflicts_with_all = ["at", "time"])]
+    #[arg(long, value_name = "AZ,EL", value_parser = pair, allow_hyphen_values = true, conflicts_with_all = ["at", "place", "time"])]
     sun: Option<[f64; 2]>,
     /// The end of a range that begins at --time: a row of values for each step; it is not in the table itself
     #[arg(long, value_name = "T", allow_hyphen_values = true, requires = "time", conflicts_with_all = ["output", "sun", "batch"])]
@@ -104,8 +104,8 @@ pub struct SkyArgs {
     /// Leave the sun's disc out of the map
     #[arg(long)]
     without_sun: bool,
-    /// Exposure of the PNG: auto, or the EV100 whose white is 1.2 * 2^EV cd/m2
-    #[arg(long, value_name = "auto|EV", default_value = "auto", allow_negative_numbers = true, value_parser = hinted(exposure_flag, ["auto"]), hide_possible_values = true)]
+    /// Exposure of the PNG: auto, auto+2 for two stops brighter, or the EV100 whose white is 1.2 * 2^EV cd/m2
+    #[arg(long, value_name = "auto[+STOPS]|EV", default_value = "auto", allow_negative_numbers = true, value_parser = hinted(exposure_flag, ["auto"]), hide_possible_values = true)]
     exposure: Exposure,
     /// The colour space of EXR and HDR: rec709, rec2020, acescg or xyz
     #[arg(long, value_name = "NAME", default_value = "rec709", value_parser = hinted(space, SPACES), hide_possible_values = true)]
@@ -114,7 +114,7 @@ pub struct SkyArgs {
     numbers: NumbersArgs,
     /// Evaluate the models as published for the rows of a CSV (model, sun_elevation, turbidity or direct_normal and
     /// diffuse_horizontal, view_azimuth from the sun's, view_elevation; degrees); - is standard input
-    #[arg(long, value_name = "FILE.csv", allow_hyphen_values = true, conflicts_with_all = ["output", "at", "time", "sun"])]
+    #[arg(long, value_name = "FILE.csv", allow_hyphen_values = true, conflicts_with_all = ["output", "at", "place", "time", "sun"])]
     batch: Option<PathBuf>,
     /// With --batch: stop at the first broken row, and print nothing
     #[arg(long, requires = "batch")]
@@ -161,7 +161,9 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     }
     let map = map(args)?;
     output::picture::check_size(&targets.formats(), [map.width, map.height])?;
-    let moment = match &args.place.at {
+    args.place.say();
+    let site = args.place.site();
+    let moment = match &site {
         Some(site) => {
             let text = args.time.time.as_deref().unwrap_or("now");
             Some(args.time.moment(text, Some(site))?)
@@ -200,10 +202,10 @@ pub fn run(args: &SkyArgs) -> Result<()> {
     let frame = paint(args, &map, &subject)?;
     let ev100 = || match args.exposure {
         Exposure::Ev100(ev) => ev,
-        Exposure::Auto => {
+        Exposure::Auto(stops) => {
             // A sky is brighter than the grey that a meter expects: one stop more, as is usual in photography.
             exposure::auto((0..frame.pixels()).map(|i| luminance(frame.picture(i))))
-                .map_or(0.0, |ev| ev - 1.0)
+                .map_or(0.0, |ev| ev - 1.0 - stops)
         }
     };
     let space = output_space(args.color_space, args.numbers.numbers(true));
@@ -258,66 +260,32 @@ fn say_clamped(frame: &Frame, space: &OutputSpace, formats: &[Format]) {
     }
 }
 
-fn short(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".into(),
-        a if a >= 1000.0 => format!("{value:.0}"),
-        a if a >= 0.1 => format!("{value:.3}"),
-        _ => format!("{value:.3e}"),
-    }
-}
-
 /// How often it is said how far they are.
 const ROWS_AT_ONCE: u64 = 64;
 
-/// No more rows than these of a range: they are made before the first is printed.
-const MOST_ROWS: u64 = 100_000;
-
 /// Prints a row of values for each step of a range of times.
 fn range(args: &SkyArgs, until: &str) -> Result<()> {
-    let (Some(site), Some(from)) = (&args.place.at, &args.time.time) else {
+    let site = args.place.site();
+    let (Some(site), Some(from)) = (&site, &args.time.time) else {
         return Err(Error::input(
             "--until",
             "a range of times has no place",
             "give --at LAT,LON and --time T",
         ));
     };
-    // A date alone begins with its first moment.
-    let read = |text: &str| -> Result<(DateTime<Utc>, Zone)> {
-        Ok(match civil::date_alone(text)? {
-            Some(date) => {
-                let zone = civil::zone_for(args.time.tz.as_deref(), site, date)?;
-                (zone.day(date)?.0, zone)
-            }
-            None => {
-                let moment = args.time.moment(text, Some(site))?;
-                (moment.utc, moment.clock)
-            }
-        })
-    };
-    let ((start, clock), (end, _)) = (read(from)?, read(until)?);
-    if end <= start {
-        return Err(Error::input(
-            "--until",
-            format!("{until} is not after --time"),
-            "give a later time",
-        ));
-    }
-    let step = args.step.unwrap_or(TimeDelta::hours(1));
-    let steps = Steps::new(start, end, step);
-    let count = steps.count;
-    if count > MOST_ROWS {
-        return Err(Error::domain(
-            "the number of rows",
-            count,
-            format!("1 to {MOST_ROWS}"),
-            "give a larger --step, or a part of the range",
-        ));
-    }
+    args.place.say();
+    let range = Range::read(
+        [from, until],
+        args.step,
+        site,
+        args.time.tz.as_deref(),
+        |text| args.time.moment(text, Some(site)),
+    )?;
+    let count = range.steps.count;
     let bar = tell::bar();
     let done = AtomicU64::new(0);
     let row = |i: u64| {
-        let moment = Moment::at(steps.at(i), &clock, &args.time.reading(Some(site)))?;
+        let moment = range.moment(i, &args.time.reading(Some(site)))?;
         let subject = subject(args, Some(&moment))?;
         let mut row = facts(args, &subject);
         let warnings = subject.sky.warnings();
@@ -341,8 +309,25 @@ fn range(args: &SkyArgs, until: &str) -> Result<()> {
     drop(bar);
     let (rows, warnings): (Vec<Columns>, Vec<_>) = rows.into_iter().unzip();
     tell::warnings_since(warnings.into_iter().flatten());
-    if args.form.json || args.form.csv {
-        return columns::print(args.form, rows, |_| Ok(()));
+    if args.form.json {
+        return stdout::print_json(&json!({
+            "from": from,
+            "until": until,
+            "step_seconds": range.steps.step_seconds(),
+            "clock": range.clock.source(),
+            "latitude": site.latitude_deg(),
+            "longitude": site.longitude_deg(),
+            "site_elevation": site.elevation(),
+            "sky": args.sky,
+            "turbidity": args.turbidity,
+            "direct_normal": args.direct_normal,
+            "diffuse_horizontal": args.diffuse_horizontal,
+            "albedo": args.albedo,
+            "rows": rows,
+        }));
+    }
+    if args.form.csv {
+        return stdout::print(columns::csv(&rows));
     }
     let mut out = stdout::lock();
     table(&mut out, &rows)?;
@@ -364,28 +349,7 @@ fn table(out: &mut Out, rows: &[Columns]) -> Result<()> {
         ("horizontal_illuminance_lx", "ground lx"),
         ("sky_cct_k", "sky K"),
     ];
-    let titles: String = SHOWN
-        .iter()
-        .map(|(_, title)| format!("{title:>14}"))
-        .collect();
-    let time = |row: &Columns| {
-        row.get("time")
-            .and_then(Value::as_str)
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let longest = rows.iter().map(|row| time(row).len()).max();
-    let width = longest.unwrap_or(0).max(25) + 1;
-    out.line(&format!("{:<width$}{titles}", "time"))?;
-    for row in rows {
-        let time = time(row);
-        let cells = SHOWN.iter().map(|(name, _)| {
-            let number = row.get(*name).and_then(Value::as_f64);
-            format!("{:>14}", number.map_or("\u{2014}".into(), short))
-        });
-        out.line(&format!("{time:<width$}{}", cells.collect::<String>()))?;
-    }
-    Ok(())
+    columns::table(out, rows, &SHOWN)
 }
 
 /// The sun and the sky that the flags ask for, at a moment where they give a place.
@@ -422,7 +386,8 @@ fn subject(args: &SkyArgs, moment: Option<&Moment>) -> Result<Subject> {
         let ((sa, ca), (se, ce)) = ((azimuth - args.north * DEG).sin_cos(), elevation.sin_cos());
         DVec3::new(ce * sa, se, -ce * ca)
     };
-    let place = args.place.at.as_ref().zip(moment);
+    let site = args.place.site();
+    let place = site.as_ref().zip(moment);
     let (at, path, azimuth, facts) = match (args.sun, place) {
         (Some([azimuth, elevation]), _) => {
             if !(-90.0..=90.0).contains(&elevation) {

@@ -36,6 +36,17 @@ pub struct StudyArgs {
     plot: Vec<PathBuf>,
 }
 
+/// What a frame of a study takes in its scenes [s], where one of `size` takes `seconds` on two cores: by pixels.
+pub fn by_pixels(
+    scenes: &[(String, Conditions)],
+    (size, seconds): ([u32; 2], f64),
+) -> impl Iterator<Item = f64> {
+    let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+    let cores = rayon::current_num_threads() as f64;
+    let own = scenes.iter().map(move |(_, c)| pixels(c.view.size));
+    own.map(move |own| own / pixels(size) * seconds * 2.0 / cores)
+}
+
 /// Scenes of the studies.
 fn studies() -> impl Iterator<Item = &'static str> {
     let scenes = scenes::NAMES.into_iter().chain(lamp_scenes::NAMES);
@@ -90,18 +101,16 @@ impl StudyArgs {
             .collect()
     }
 
-    /// Says what a study will measure and for about how long, where a setting in a scene of `size` takes `seconds` on two cores, and begins.
+    /// Says what a study will measure and for about how long, where a frame of a usual setting takes so many `seconds` in each of the
+    /// scenes, and begins.
     pub fn watch(
         &self,
         scenes: &[(String, Conditions)],
         settings: usize,
-        (size, seconds): ([u32; 2], f64),
+        seconds: impl Iterator<Item = f64>,
     ) -> Watch {
-        let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
-        let all = scenes.iter().map(|(_, c)| pixels(c.view.size)).sum::<f64>() / pixels(size);
         // A truth takes about as long as the settings that are compared with it.
-        let runs = settings as f64 * (1.0 + self.frames as f64) / 6.0;
-        let cores = rayon::current_num_threads() as f64;
+        let runs = settings as f64 * (1.0 + self.frames as f64);
         let names = scenes.iter().map(|(name, conditions)| {
             let [width, height] = conditions.view.size;
             format!("{name} ({width} x {height})")
@@ -112,7 +121,7 @@ impl StudyArgs {
                 "{settings} settings, {} frames of each, in {}; roughly {}",
                 self.frames,
                 names.collect::<Vec<_>>().join(", "),
-                duration(all * runs * seconds * 2.0 / cores),
+                duration(runs * seconds.sum::<f64>()),
             ),
         );
         Watch {
@@ -120,6 +129,21 @@ impl StudyArgs {
             begun: Instant::now(),
             runs: scenes.len() * (settings + 1),
             done: 0,
+        }
+    }
+
+    /// Refuses a plot for a study that has none.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where one is asked for.
+    pub fn refuse_plot(&self, effect: &str) -> Result<()> {
+        match self.plot.is_empty() {
+            true => Ok(()),
+            false => Err(Error::input(
+                "--plot",
+                format!("the study `{effect}` has no plot, only a table"),
+                "leave it out, or choose --effect shafts, lamps or radiosity",
+            )),
         }
     }
 

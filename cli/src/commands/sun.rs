@@ -62,7 +62,7 @@ pub struct SunArgs {
     #[arg(long, value_name = "DEG", default_value_t = -0.8333, allow_negative_numbers = true)]
     horizon: f64,
     /// A CSV of time, latitude, longitude, elevation (and pressure, temperature, delta_t), one position a row; - is stdin
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "time", "step", "plot"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "place", "time", "step", "plot"])]
     batch: Option<PathBuf>,
     /// With --batch: stop at the first broken row, and print nothing
     #[arg(long, requires = "batch")]
@@ -84,11 +84,12 @@ pub fn run(args: &SunArgs) -> Result<()> {
         };
         return sun_batch::run(path, form, &args.time, &args.sun);
     }
-    let site = args.place.at.ok_or_else(|| {
+    args.place.say();
+    let site = args.place.site().ok_or_else(|| {
         Error::input(
             "tyndall sun",
             "no place is given",
-            "write --at LAT,LON[,ELEV], or --batch FILE",
+            "write --at LAT,LON[,ELEV] or --place NAME, or --batch FILE",
         )
     })?;
     let weather = args.sun.weather(&site)?;

@@ -20,12 +20,13 @@ use tyndall::Result;
 use tyndall::backend::check::Check;
 use tyndall::backend::choose::choose;
 use tyndall::backend::{Backend, Limits, Step};
-use tyndall::conditions::Request;
+use tyndall::conditions::{Conditions, Request};
+use tyndall::effect::Kept;
 use tyndall::ephemeris::Site;
 use tyndall::ephemeris::civil::{self, Reading};
 use tyndall::error::Error;
 use tyndall::frame::Frame;
-use tyndall::output;
+use tyndall::output::{self, atomic};
 use tyndall::plan::Plan;
 use tyndall::scene::Scene;
 use tyndall::task::Task;
@@ -130,8 +131,10 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     template::check_apart(&outputs, &indices, &in_use)?;
     let mut in_use = in_use;
     if let Some(report) = &args.check.report {
+        in_use.push((plan_file.clone(), "the plan"));
         output::check_apart("--report", report, &in_use)?;
         template::check_apart(&outputs, &indices, &[(report.clone(), "the report")])?;
+        atomic::check(report)?;
         in_use.push((report.clone(), "the report"));
     }
     if !args.dry_run {
@@ -168,7 +171,10 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
         }
         // By a frame in the middle, whichever frames this process renders.
         let middle = conditions.at(&when.text(when.get(count / 2)?))?;
-        let chosen = choose(&mut backend, &middle, &overrules, goal, &limits)?;
+        let bar = tell::bar();
+        let step = |step| bar.step(step);
+        let chosen = choose(&mut backend, &middle, &overrules, goal, &limits, &step)?;
+        drop(bar);
         tell::chosen(&chosen.why);
         overrules = chosen.overrules;
     }
@@ -177,6 +183,7 @@ pub fn run(args: &TimelapseArgs) -> Result<()> {
     let warnings = conditions.warnings.clone();
     let sequence = Sequence::new(Asked {
         exposure: args.picture.ev100(&conditions.scene),
+        stops: args.picture.stops(),
         conditions,
         when,
         overrules,
@@ -302,6 +309,8 @@ struct Done {
     there: u64,
     /// The frame that is furthest from the reference, if they are measured.
     worst: Option<(u64, Check)>,
+    /// What that reference has found that other frames need too.
+    kept: Kept,
 }
 
 impl Run<'_> {
@@ -380,16 +389,17 @@ impl Run<'_> {
         let odd = self.sequence.odd_exposures(&header.exposure)?;
         tell::warnings(&odd);
         let bytes = self.sequence.bytes() * work.frames.len() as u64;
+        self.report(&json!({
+            "schema": 1,
+            "plan": header,
+            "to_make": work.frames.len(),
+            "there": work.there,
+            "predicted_seconds": work.seconds,
+            "bytes_at_most": bytes,
+            "warnings": self.warnings.iter().chain(&odd).collect::<Vec<_>>(),
+        }))?;
         if self.args.json {
-            return stdout::print_json(&json!({
-                "schema": 1,
-                "plan": header,
-                "to_make": work.frames.len(),
-                "there": work.there,
-                "predicted_seconds": work.seconds,
-                "bytes_at_most": bytes,
-                "warnings": self.warnings.iter().chain(&odd).collect::<Vec<_>>(),
-            }));
+            return Ok(());
         }
         let Work { frames, there, .. } = &work;
         let (count, seconds) = (frames.len(), duration(work.seconds));
@@ -446,11 +456,7 @@ impl Run<'_> {
             "warnings": self.warnings.iter().chain(&odd).collect::<Vec<_>>(),
             "check": worst.map(|(frame, check)| json!({ "worst_frame": frame, "check": check })),
             "assembled": film,
-        }))?;
-        match worst {
-            Some((frame, check)) => self.args.check.judge(&format!("frame {frame}"), check),
-            None => Ok(()),
-        }
+        }))
     }
 
     /// Writes and prints what was done, as it was asked for.
@@ -465,21 +471,27 @@ impl Run<'_> {
     }
 
     /// Measures a frame, if that was asked for, and keeps the worst.
-    fn measure(&self, line: &FrameLine, frame: &Frame, done: &mut Done) -> Result<()> {
-        let conditions = self.sequence.conditions_of(line)?;
+    ///
+    /// # Errors
+    /// Those of rendering by the reference; [`Error::Failed`] for a frame that is further off than it may be.
+    fn measure(&self, index: u64, seen: &Conditions, frame: &Frame, done: &mut Done) -> Result<()> {
+        let checked = (seen, self.sequence.overrules());
         let check = &self.args.check;
-        let Some(found) = check.measure(&conditions, self.sequence.overrules(), frame)? else {
+        let found = tell::watched(self.limits.stop, |task| {
+            check.measure(checked, frame, &done.kept, task)
+        })?;
+        let Some(found) = found else {
             return Ok(());
         };
         let error = |check: &Check| check.picture().relative_rmse;
         tell::line(
             "check",
-            format!("frame {}: relative RMSE {:.3e}", line.index, error(&found)),
+            format!("frame {index}: relative RMSE {:.3e}", error(&found)),
         );
-        // What is no number is worse than any.
+        check.judge(&format!("frame {index}"), &found)?;
         let is_worse = |(_, worst): &(u64, Check)| error(&found).total_cmp(&error(worst)).is_gt();
         if done.worst.as_ref().is_none_or(is_worse) {
-            done.worst = Some((line.index, found));
+            done.worst = Some((index, found));
         }
         Ok(())
     }
@@ -557,11 +569,12 @@ impl Run<'_> {
                 }
             };
             let begun = Instant::now();
-            let rendered = self
-                .sequence
-                .render(&line, backend, self.limits, &progress)?;
+            let mut accept = |seen: &Conditions, frame: &Frame| {
+                bar.apart(|| self.measure(line.index, seen, frame, done))
+            };
+            self.sequence
+                .render(&line, backend, self.limits, &progress, &mut accept)?;
             done.made += 1;
-            self.measure(&line, &rendered.frame, done)?;
             predicted += line.predicted_seconds;
             if bar.takes_lines() {
                 bar.spoke();

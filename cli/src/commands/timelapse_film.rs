@@ -37,7 +37,7 @@ pub struct FilmArgs {
     page: Option<PathBuf>,
     /// Render nothing: make film, sheet, curves and page of finished frames; where some are missing or stale, print the --only that makes
     /// them and exit with 75
-    #[arg(long, conflicts_with_all = ["emit", "shard", "only"])]
+    #[arg(long, conflicts_with_all = ["emit", "shard", "only", "check"])]
     assemble: bool,
     /// Print a job that makes the frames in shards on a cluster and puts them together, and render nothing
     #[arg(long, value_name = "ENGINE", value_enum, conflicts_with_all = ["shard", "only", "report"])]

@@ -51,3 +51,35 @@ pub fn columns<const N: usize>(columns: [(&str, Value); N]) -> Columns {
     let named = columns.map(|(name, value)| (name.to_owned(), value));
     named.into_iter().collect()
 }
+
+/// Some columns of rows for people, below their titles; the column `time` before them.
+pub fn table(out: &mut Out, rows: &[Columns], shown: &[(&str, &str)]) -> Result<()> {
+    let titles = shown.iter().map(|(_, title)| format!("{title:>14}"));
+    let titles: String = titles.collect();
+    let time = |row: &Columns| {
+        let time = row.get("time").and_then(Value::as_str);
+        time.unwrap_or_default().to_owned()
+    };
+    let longest = rows.iter().map(|row| time(row).len()).max();
+    let width = longest.unwrap_or(0).max(25) + 1;
+    out.line(&format!("{:<width$}{titles}", "time"))?;
+    for row in rows {
+        let time = time(row);
+        let cells = shown.iter().map(|(name, _)| {
+            let number = row.get(*name).and_then(Value::as_f64);
+            format!("{:>14}", number.map_or("\u{2014}".into(), short))
+        });
+        out.line(&format!("{time:<width$}{}", cells.collect::<String>()))?;
+    }
+    Ok(())
+}
+
+/// A number in as many digits as people read.
+pub fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        a if a >= 1000.0 => format!("{value:.0}"),
+        a if a >= 0.1 => format!("{value:.3}"),
+        _ => format!("{value:.3e}"),
+    }
+}

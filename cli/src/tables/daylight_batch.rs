@@ -78,7 +78,10 @@ impl Meter<'_> {
     fn choose(&mut self, conditions: &Conditions) -> Result<()> {
         if let Some(goal) = self.goal.take() {
             let (backend, limits) = (&mut self.backend, &self.limits);
-            let chosen = choose(backend, conditions, &self.overrules, goal, limits)?;
+            let bar = tell::bar();
+            let step = |step| bar.step(step);
+            let chosen = choose(backend, conditions, &self.overrules, goal, limits, &step)?;
+            drop(bar);
             tell::chosen(&chosen.why);
             self.overrules = chosen.overrules;
         }
