@@ -39,20 +39,21 @@ fn two_rooms(reflectance: f64) -> Scene {
     let [a, b, h] = HOUSE;
     let [[z0, z1], [y0, y1]] = WINDOW;
     let mut walls: Vec<Corners> = Vec::new();
-    for y in [0.0, h] {
-        walls.extend(quad(dvec3(-a, y, 0.0), DVec3::X * 2.0 * a, DVec3::Z * b));
-    }
-    for z in [0.0, b] {
-        walls.extend(quad(dvec3(-a, 0.0, z), DVec3::X * 2.0 * a, DVec3::Y * h));
-    }
+    // Their fronts show inward.
+    let (x, y, z) = (DVec3::X * 2.0 * a, DVec3::Y * h, DVec3::Z * b);
+    walls.extend(quad(dvec3(-a, 0.0, 0.0), z, x));
+    walls.extend(quad(dvec3(-a, h, 0.0), x, z));
+    walls.extend(quad(dvec3(-a, 0.0, 0.0), x, y));
+    walls.extend(quad(dvec3(-a, 0.0, b), y, x));
     walls.extend(quad(DVec3::ZERO, DVec3::Y * h, DVec3::Z * b));
     for x in [-a, a] {
         let mut part = |z: [f64; 2], y: [f64; 2]| {
-            walls.extend(quad(
-                dvec3(x, y[0], z[0]),
-                DVec3::Y * (y[1] - y[0]),
-                DVec3::Z * (z[1] - z[0]),
-            ));
+            let (up, along) = (DVec3::Y * (y[1] - y[0]), DVec3::Z * (z[1] - z[0]));
+            let corner = dvec3(x, y[0], z[0]);
+            walls.extend(match x > 0.0 {
+                true => quad(corner, along, up),
+                false => quad(corner, up, along),
+            });
         };
         part([0.0, b], [0.0, y0]);
         part([0.0, b], [y1, h]);
@@ -194,7 +195,7 @@ fn blinds_close_in_the_hours_and_rooms_that_have_the_sun() {
             } else if states[1 - side] {
                 // The other room's blind changes nothing here.
                 open[side] += 1;
-                assert!((ratio - 1.0).abs() < 0.01, "{ratio} in hour {number}");
+                assert!((ratio - 1.0).abs() < 0.02, "{ratio} in hour {number}");
             } else {
                 assert_eq!(with, without);
             }
@@ -234,7 +235,7 @@ fn blinds_close_in_the_hours_and_rooms_that_have_the_sun() {
 fn a_closed_blind_is_a_matt_window_or_none() {
     let mut scene = two_rooms(0.5);
     scene.shades = vec![shade("west", 0.0, 1.0, 0.0)];
-    let open = run(scene, 200);
+    let open = run(scene, 97);
     assert!(open.operated.hours(0) >= 2);
     assert_eq!(open.operated.table.total, open.table.total);
 
@@ -243,14 +244,17 @@ fn a_closed_blind_is_a_matt_window_or_none() {
     let mut scene = two_rooms(0.0);
     scene.ground.albedo = 0.0;
     scene.shades = vec![shade("west", tau, 0.0, 0.0)];
-    let black = run(scene.clone(), 200);
+    let black = run(scene.clone(), 97);
     let [a, ..] = HOUSE;
     let [[z0, z1], [y0, y1]] = WINDOW;
     let corner = dvec3(-a, y0, z0);
     let polygon = receive::rectangle(corner, DVec3::Z * (z1 - z0), DVec3::Y * (y1 - y0));
     // Behind the middle of the glass, facing outward: as on all of it, since nothing stands before it.
     let behind = corner + dvec3(1e-3, 0.5 * (y1 - y0), 0.5 * (z1 - z0));
-    let fineness = Fineness::new(Quality::High, &[]);
+    let fineness = Fineness {
+        patches: 1,
+        ..Fineness::new(Quality::High, &[])
+    };
     let behind = Year::new(
         &black.base,
         vec![at(behind, DVec3::NEG_X)],
@@ -286,7 +290,7 @@ fn a_closed_blind_is_a_matt_window_or_none() {
     for (number, material) in grey.materials.iter_mut().enumerate() {
         material.base_color = DVec3::splat(if number == 0 { 0.5 } else { 1.0 });
     }
-    let grey = run(grey, 200);
+    let grey = run(grey, 97);
     let closed = (0..black.table.stamps.len()).filter(|hour| black.operated.groups[0].1[*hour]);
     for hour in closed {
         let sum = |run: &Run| run.operated.table.row(hour)[..12].iter().sum::<f32>();

@@ -57,6 +57,8 @@ struct Group {
 /// The blinds of a scene.
 pub struct Blinds {
     groups: Vec<Group>,
+    /// How far behind its pane a blind hangs [m].
+    lift: f64,
     /// What hangs nowhere.
     pub warnings: Vec<Warning>,
 }
@@ -69,6 +71,7 @@ impl Blinds {
     pub fn new(scene: &Scene, geometry: &Geometry) -> Result<Self> {
         let mut blinds = Blinds {
             groups: Vec::new(),
+            lift: BEHIND * geometry.extent(),
             warnings: Vec::new(),
         };
         for shade in &scene.shades {
@@ -131,7 +134,6 @@ impl Blinds {
     /// all light.
     fn hung(&self, scene: &Scene, closed: Closed, solid: bool) -> (Scene, Range<u32>, Vec<usize>) {
         let mut scene = scene.clone();
-        let lift = BEHIND * Geometry::new(&scene).extent();
         let first = scene.mesh.triangles.len() as u32;
         let mut group_of = Vec::new();
         for (number, group) in self.groups.iter().enumerate() {
@@ -151,7 +153,7 @@ impl Blinds {
             for (corners, outward) in group.places.iter().zip(&group.outward) {
                 let mesh = &mut scene.mesh;
                 let vertex = mesh.positions.len() as u32;
-                (mesh.positions).extend(corners.map(|p| p - lift * outward));
+                (mesh.positions).extend(corners.map(|p| p - self.lift * outward));
                 mesh.normals.extend([DVec3::ZERO; 3]);
                 mesh.uvs.extend([DVec2::ZERO; 3]);
                 if !mesh.colors.is_empty() {

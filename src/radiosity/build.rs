@@ -104,11 +104,18 @@ impl Transport {
             pools: Vec::new(),
             gaps: Vec::new(),
             by_gaps: Vec::new(),
+            shining: Vec::new(),
             seen: Seen::new(),
             seen_bytes: AtomicU64::new(0),
             detail,
             notes: Vec::new(),
         };
+        if !shining.is_empty() {
+            transport.shining = vec![false; transport.patches.all.len()];
+            for (patch, ..) in transport.fronts(shining) {
+                transport.shining[patch as usize] = true;
+            }
+        }
         let pool = |lamp| transport.pool(lamp);
         transport.pools = conditions.lamps.iter().filter_map(pool).collect();
         let all = vec![true; transport.patches.all.len()];
@@ -127,10 +134,10 @@ impl Transport {
                     .collect()
             }
         };
-        if !shining.is_empty() {
-            by_own_light.resize(transport.patches.all.len(), false);
-            for (patch, ..) in transport.fronts(shining) {
-                by_own_light[patch as usize] = true;
+        if !transport.shining.is_empty() {
+            by_own_light.resize(transport.shining.len(), false);
+            for (lit, shines) in by_own_light.iter_mut().zip(&transport.shining) {
+                *lit |= shines;
             }
         }
         let lit = Exchange::reached(&few, &through, &by_own_light);

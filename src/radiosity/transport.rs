@@ -49,6 +49,8 @@ pub struct Transport {
     pub(super) gaps: Vec<Gap>,
     /// Which patches light reaches through small gaps alone; none of them, where there are no gaps.
     pub(super) by_gaps: Vec<bool>,
+    /// Which patches shine by themselves; empty: none.
+    pub(super) shining: Vec<bool>,
     /// What points of lattices have seen.
     pub(super) seen: Seen,
     /// How much memory that takes [bytes].
@@ -213,7 +215,9 @@ impl Transport {
         match source {
             Source::Nothing => false,
             Source::Sky(_) | Source::OpenGround => true,
-            Source::Patch(patch, _) => self.patches.is_ground(patch),
+            Source::Patch(patch, _) => {
+                self.patches.is_ground(patch) || self.shining.get(patch as usize) == Some(&true)
+            }
         }
     }
 }

@@ -30,6 +30,7 @@ use tyndall::daylight::page::{self, Picture};
 use tyndall::daylight::raster;
 use tyndall::daylight::report::{Line, Of, Report, hours_csv};
 use tyndall::daylight::sun_hours::{self, Span, SunHours};
+use tyndall::daylight::table::Table;
 use tyndall::daylight::view::Views;
 use tyndall::daylight::year::{self, Fineness, Year};
 use tyndall::ephemeris::{Site, civil};
