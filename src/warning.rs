@@ -289,6 +289,8 @@ pub enum Warning {
     },
     /// A clearness and brightness at which the Perez model's gradation or luminance has the wrong sign.
     PerezFitBreaks,
+    /// No daylight reaches any sensor of a grid.
+    NoDaylight,
 }
 
 /// Lines of a text that have something in common.
@@ -415,6 +417,9 @@ impl Warning {
                 Some("check the unit (lx, cd/m2), or give --exposure EV")
             }
             Warning::PerezFitBreaks => Some("compare with another model, such as hosek or cie:N"),
+            Warning::NoDaylight => Some(
+                "make the windows' material glass by a [[pane]] in a scene file, or leave holes in the walls",
+            ),
             Warning::WhollySeeThrough { .. } => {
                 Some("give the material an alpha above 0 if it should be seen")
             }
@@ -687,6 +692,9 @@ impl fmt::Display for Warning {
                     None => f.write_str(" (it is black)"),
                 }
             }
+            Warning::NoDaylight => f.write_str(
+                "no daylight reaches any sensor: no pane and no opening is found through which it could",
+            ),
             Warning::PerezFitBreaks => f.write_str(
                 "the Perez fit breaks at this clearness and brightness (b > 0 or negative luminance): b is held at 0, luminance at 0 and above",
             ),

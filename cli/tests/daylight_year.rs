@@ -353,6 +353,87 @@ fn variants_share_what_their_scene_has() {
     assert!((east / others[1] - 1.0).abs() > 0.02, "{east} {others:?}");
 }
 
+/// Glass with a blind in the window, and a wall 20 m before it: other glass and shards are variants, and all figures of blinds and views
+/// stand on the page.
+#[test]
+fn blinds_views_and_glazings_are_told() {
+    let scene = windowed(
+        "[ground]\nalbedo = 0.2\n[[pane]]\nmaterial = \"glass\"\ntransmittance = 0.7\npanes = 2\n\
+         [[shade]]\nwindows = [\"glass\"]\ntransmittance = 0.1\n",
+    );
+    let mesh = std::fs::read_to_string(scene.path().join("mesh.obj")).expect("it is there");
+    let glass = "v 0.5 1 4\nv 0.5 2.5 4\nv 3.5 2.5 4\nv 3.5 1 4\nusemtl glass\nf -4 -3 -2 -1\n\
+                 v -30 0 24\nv -30 9 24\nv 30 9 24\nv 30 0 24\nusemtl wall\nf -4 -3 -2 -1\n";
+    scene.write(
+        "mesh.obj",
+        &format!("mtllib a.mtl\nusemtl wall\n{mesh}\n{glass}"),
+    );
+    scene.write("a.mtl", "newmtl glass\nnewmtl wall\nKd 0.5 0.5 0.5\n");
+    scene.write("made.epw", &weather_on(20));
+    let run = |more: &[&str]| {
+        let mut all = vec!["daylight", "scene.toml", "--grid", "spacing=1"];
+        all.extend(["--quality", "draft", "--patches", "1"]);
+        all.extend(["--weather", "made.epw"]);
+        all.extend(more);
+        let out = tyndall(scene.path(), &all);
+        assert!(out.status.success(), "{}", stderr(&out));
+        cells(&String::from_utf8_lossy(&out.stdout))
+    };
+    let alone = run(&["--csv", "-o", "p.html", "-o", "p.json", "-o", "p.csv"]);
+    let value = |rows: &[Vec<String>], key: &str| -> f64 {
+        let at = rows[0]
+            .iter()
+            .position(|name| name == "key")
+            .expect("a column");
+        let row = rows.iter().find(|row| row[at] == key);
+        row.expect("a row")[at + 2].parse().expect("a number")
+    };
+    assert!(value(&alone, "closed_h:glass") > 0.0);
+    assert!(value(&alone, "sda") <= value(&alone, "sda_no_blinds"));
+    assert!(value(&alone, "view_minimum") > 0.0);
+    let page = std::fs::read_to_string(scene.path().join("p.html")).expect("it is written");
+    for row in &alone[1..] {
+        let value = format!("data-key=\"{}\" data-value=\"{}\"", row[1], row[3]);
+        assert!(row[3].is_empty() || page.contains(&value), "{value}");
+    }
+    assert!(page.contains("Blinds of glass closed") && !page.contains("There are no blinds"));
+    let json = std::fs::read(scene.path().join("p.json")).expect("it is written");
+    let json: Value = serde_json::from_slice(&json).expect("it is JSON");
+    let sensor = &json["sensors"][0];
+    assert!(
+        sensor["sight_deg"]
+            .as_f64()
+            .is_some_and(|angle| angle > 14.0)
+    );
+    assert!(
+        sensor["view_m"]
+            .as_f64()
+            .is_some_and(|way| (20.0..30.0).contains(&way))
+    );
+    assert!(sensor["da300_blinds_pct"].is_number());
+    // The glass that is there already, and darker glass: two variants, one to each shard.
+    let both = run(&["--csv", "--glazing", "glass=0.7", "--glazing", "glass=0.3"]);
+    let rows = |tag: &str| -> Vec<Vec<String>> {
+        let own = |row: &&Vec<String>| row[0] == tag || row[0] == "variant";
+        both.iter().filter(own).cloned().collect()
+    };
+    let (same, darker) = (rows("glass0.7"), rows("glass0.3"));
+    assert_eq!(value(&same, "mean"), value(&alone, "mean"));
+    let ratio = value(&darker, "factor_mean") / value(&same, "factor_mean");
+    // Less on a slant still.
+    assert!((0.36..0.43).contains(&ratio), "{ratio}");
+    let second = run(&[
+        "--csv",
+        "--glazing",
+        "glass=0.7",
+        "--glazing",
+        "glass=0.3",
+        "--shard",
+        "2/2",
+    ]);
+    assert_eq!(second, darker);
+}
+
 /// Two weather files: what is said of one place stands in the report of that file alone.
 #[test]
 fn a_variant_has_the_warnings_of_its_own_file() {
@@ -566,6 +647,12 @@ fn what_a_year_cannot_use_is_told() {
             "--report",
         ),
         (vec!["--weather", "made.epw", "--every", "1min"], "--every"),
+        (
+            vec!["--weather", "made.epw", "--glazing", "glass=0.5"],
+            "no glass `glass`",
+        ),
+        (vec!["--weather", "made.epw", "--glazing", "x"], "south=0.6"),
+        (vec!["--weather", "made.epw", "--shard", "3/2"], "I from 1"),
         (vec!["--sun-hours", "2026-03-21"], "no place"),
         (vec!["--sun-hours", "2026-03-21", "--sky", "cie:1"], "--sky"),
         (

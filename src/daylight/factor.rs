@@ -6,6 +6,7 @@
 
 use crate::error::{Error, Result};
 use crate::scene::{Scene, SunEntry};
+use crate::warning::Warning;
 use serde::Serialize;
 
 /// The skies under which daylight factors are defined.
@@ -40,6 +41,12 @@ pub fn overcast(mut scene: Scene, sky: Option<&str>) -> Result<Scene> {
     scene.lights.clear();
     scene.emissions.clear();
     Ok(scene)
+}
+
+/// What is to be said where no sensor has any light of a sky that shines.
+pub fn no_daylight(values: impl IntoIterator<Item = f64>) -> Option<Warning> {
+    let is_dark = values.into_iter().all(|value| value == 0.0);
+    is_dark.then_some(Warning::NoDaylight)
 }
 
 /// What is said of values on a plane, each with the area that it stands for.

@@ -163,11 +163,11 @@ impl Area {
     /// The name of the object that has the largest face in it.
     fn name(&self, scene: &Scene) -> String {
         let inside = |triangle: &&u32| {
-            let [a, b, c] = corners(scene, **triangle).map(plan);
+            let [a, b, c] = scene.mesh.corners(**triangle).map(plan);
             self.outline.contains((a + b + c) / 3.0)
         };
         let size = |triangle: &u32| {
-            let [a, b, c] = corners(scene, *triangle);
+            let [a, b, c] = scene.mesh.corners(*triangle);
             (b - a).cross(c - a).length()
         };
         let own = self.triangles.iter().filter(inside);
@@ -194,11 +194,6 @@ impl Area {
     }
 }
 
-fn corners(scene: &Scene, triangle: u32) -> [DVec3; 3] {
-    let vertices = scene.mesh.triangles[triangle as usize].vertices;
-    vertices.map(|v| scene.mesh.positions[v as usize])
-}
-
 /// A place in plan.
 fn plan(place: DVec3) -> DVec2 {
     dvec2(place.x, -place.z)
@@ -207,11 +202,11 @@ fn plan(place: DVec3) -> DVec2 {
 /// The connected areas of the level faces among some triangles, from the lowest.
 fn levels(scene: &Scene, triangles: &[u32]) -> Vec<Area> {
     let height = |triangle: u32| {
-        let [a, b, c] = corners(scene, triangle);
+        let [a, b, c] = scene.mesh.corners(triangle);
         (a.y + b.y + c.y) / 3.0
     };
     let is_level = |triangle: &u32| {
-        let [a, b, c] = corners(scene, *triangle);
+        let [a, b, c] = scene.mesh.corners(*triangle);
         let material = scene.mesh.triangles[*triangle as usize].material;
         let is_glass = scene.materials[material as usize].pane.is_some();
         !is_glass && (b - a).cross(c - a).normalize_or_zero().y.abs() > LEVEL
@@ -225,12 +220,15 @@ fn levels(scene: &Scene, triangles: &[u32]) -> Vec<Area> {
         let own: Vec<u32> = faces.iter().map(|(_, triangle)| *triangle).collect();
         // The height of most of it.
         let size = |triangle: u32| {
-            let [a, b, c] = corners(scene, triangle);
+            let [a, b, c] = scene.mesh.corners(triangle);
             (b - a).cross(c - a).length()
         };
         let all: f64 = own.iter().map(|t| size(*t)).sum();
         let height = faces.iter().map(|(h, t)| h * size(*t)).sum::<f64>() / all;
-        let outline = Outline::union(own.iter().map(|t| corners(scene, *t).map(plan).to_vec()));
+        let outline = Outline::union(
+            own.iter()
+                .map(|t| scene.mesh.corners(*t).map(plan).to_vec()),
+        );
         for shape in 0..outline.shapes().len() {
             areas.push(Area {
                 height,
@@ -334,7 +332,7 @@ fn walls(scene: &Scene, area: &Area, spec: &GridSpec) -> Vec<[DVec2; 2]> {
     };
     let [low, high] = [low - spec.inset, high + spec.inset];
     let steep = |triangle: u32| {
-        let [a, b, c] = corners(scene, triangle);
+        let [a, b, c] = scene.mesh.corners(triangle);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         (normal.y.abs() < 0.5)
             .then(|| cut([a, b, c], DVec3::Y * height, DVec3::Y))
@@ -423,7 +421,7 @@ fn direction(outline: &Outline) -> f64 {
 fn surfaces(scene: &Scene, triangles: &[u32], name: &str, spec: &GridSpec) -> Result<Vec<Plane>> {
     let mut groups: Vec<(DVec3, f64, Vec<u32>)> = Vec::new();
     for triangle in triangles {
-        let [a, b, c] = corners(scene, *triangle);
+        let [a, b, c] = scene.mesh.corners(*triangle);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let normal = if spec.back { -normal } else { normal };
         let offset = normal.dot(a);
@@ -457,7 +455,7 @@ fn surfaces(scene: &Scene, triangles: &[u32], name: &str, spec: &GridSpec) -> Re
         let whole = Outline::union(
             triangles
                 .iter()
-                .map(|t| corners(scene, *t).map(flat).to_vec()),
+                .map(|t| scene.mesh.corners(*t).map(flat).to_vec()),
         );
         let band = match spec.inset > 0.0 {
             true => Outline::around(whole.sides(), spec.inset),

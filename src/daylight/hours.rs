@@ -15,6 +15,7 @@ use crate::sky::{DEFAULT_TURBIDITY, Irradiance, Model, Sky, SunAt, SunLight, Sun
 use crate::units::{DAY, DEG};
 use crate::warning::Warning;
 use chrono::NaiveDate;
+use glam::DQuat;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -240,6 +241,20 @@ impl Hours {
             shift_from,
             warnings,
         })
+    }
+
+    /// The same for a scene whose -Z faces farther from north through east [degrees]: suns and skies turn about the vertical.
+    pub fn turned(&self, by_deg: f64) -> Self {
+        let turn = by_deg * DEG;
+        let mut hours = self.clone();
+        if by_deg == 0.0 {
+            return hours;
+        }
+        for hour in &mut hours.lit {
+            hour.sun.toward = DQuat::from_rotation_y(turn) * hour.sun.toward;
+            hour.sky = Arc::new(hour.sky.turned(turn));
+        }
+        hours
     }
 
     /// By how much the clock of an hour's middle is later than its label says [h]: labels that are off by less than half an hour are the

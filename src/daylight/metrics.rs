@@ -8,13 +8,14 @@
 //! - *Daylight hours* (EN 17037): the half of the year's hours with the most diffuse light on open level ground, 4 380 h. Of hours with
 //!   the same the earlier ones count.
 //!
+//! Blinds count in sDA alone; ASE is without them by its definition, and so is everything else.
+//!
 //! The standards themselves were not at hand: their words are those of guides and programs that apply them, and each figure says so.
 
+use super::blinds::Operated;
 use super::table::Table;
+use super::view::Views;
 use serde::Serialize;
-
-/// From when to when rooms are occupied by the local clock [h].
-pub const OCCUPIED: [f64; 2] = [8.0, 18.0];
 
 /// What autonomy is by [lx] (LM-83).
 pub const AUTONOMY: f64 = 300.0;
@@ -35,14 +36,6 @@ pub const LEVELS: [(&str, f64, f64); 3] = [
 /// On which shares of a plane target and minimum are to be reached (EN 17037).
 pub const ON_PLANE: [f64; 2] = [0.5, 0.95];
 
-/// Sums of areas are off by less than this [% of a plane].
-const SLACK: f64 = 1e-7;
-
-const LM_83: &str = "IES LM-83-12 and ANSI/IES LM-83-22, not read in print";
-const UDI: &str = "Mardaljevic et al. 2012, not read in print";
-const EN_17037: &str = "EN 17037:2018+A1:2021, not read in print";
-const CIE: &str = "CIE S 011 / ISO 15469:2004";
-
 /// What one point has.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct ByPoint {
@@ -52,6 +45,8 @@ pub struct ByPoint {
     pub year_klxh: f64,
     /// Share of the occupied hours with at least 300 lx [%].
     pub da300_pct: f64,
+    /// The same with blinds; without any the same.
+    pub da300_blinds_pct: f64,
     /// Occupied hours in which the sun alone gives more than 1 000 lx [h].
     pub sun1000_h: f64,
     /// Share of the occupied hours below 100 lx [%].
@@ -66,14 +61,21 @@ pub struct ByPoint {
     pub half_daylight_lx: f64,
     /// Daylight factor under the CIE overcast sky, type 16 [%].
     pub factor_pct: f64,
+    /// Horizontal sight angle of the view out [degrees]; NaN: not assessed, as of the next two.
+    pub sight_deg: f64,
+    /// Outside distance of it [m].
+    pub view_m: f64,
+    /// Its layers: [`super::view::View::layers`].
+    pub view_layers: f64,
 }
 
 impl ByPoint {
     /// The names of its figures, in the order of [`ByPoint::values`].
-    pub const NAMES: [&str; 10] = [
+    pub const NAMES: [&str; 14] = [
         "mean_lx",
         "year_klxh",
         "da300_pct",
+        "da300_blinds_pct",
         "sun1000_h",
         "udi_below_100_pct",
         "udi_100_300_pct",
@@ -81,14 +83,18 @@ impl ByPoint {
         "udi_above_3000_pct",
         "half_daylight_lx",
         "factor_pct",
+        "sight_deg",
+        "view_m",
+        "view_layers",
     ];
 
     /// Its figures.
-    pub fn values(&self) -> [f64; 10] {
+    pub fn values(&self) -> [f64; 14] {
         [
             self.mean_lx,
             self.year_klxh,
             self.da300_pct,
+            self.da300_blinds_pct,
             self.sun1000_h,
             self.udi_below_100_pct,
             self.udi_100_300_pct,
@@ -96,27 +102,11 @@ impl ByPoint {
             self.udi_above_3000_pct,
             self.half_daylight_lx,
             self.factor_pct,
+            self.sight_deg,
+            self.view_m,
+            self.view_layers,
         ]
     }
-}
-
-/// A figure of a room, with where it comes from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Figure {
-    /// Its name for programs.
-    pub key: String,
-    /// Its name for people.
-    pub name: String,
-    /// What it is; `None`: not assessed.
-    pub value: Option<f64>,
-    /// Its unit.
-    pub unit: &'static str,
-    /// What it means for the standard: reached, not reached, and why it was not assessed.
-    pub verdict: String,
-    /// How it is found.
-    pub method: String,
-    /// Whose it is, with the edition.
-    pub edition: &'static str,
 }
 
 /// How a plane is lit by daylight over a year.
@@ -130,19 +120,17 @@ pub struct Metrics {
     pub daylight: usize,
     /// The median of the diffuse light on open level ground in the daylight hours [lx].
     pub median_diffuse: f64,
+    /// The groups of windows that have blinds, and the occupied hours in which each is closed.
+    pub blinds: Vec<(String, usize)>,
+    /// Why the view's angle, and why its distance and layers are not assessed, where they are not.
+    pub unknown_view: [Option<&'static str>; 2],
 }
-
-/// A number of a point.
-type Of = fn(&ByPoint) -> f64;
-
-/// The share of a plane's area whose points are such [1].
-type Part<'a> = dyn Fn(&dyn Fn(&ByPoint) -> bool) -> f64 + 'a;
 
 impl Metrics {
     /// Those of a table. `factors`: the daylight factor of each point [1].
     pub fn new(table: &Table, factors: &[f64]) -> Self {
         let occupied: Vec<usize> = (0..table.stamps.len())
-            .filter(|hour| (OCCUPIED[0]..OCCUPIED[1]).contains(&table.stamps[*hour].clock))
+            .filter(|hour| table.stamps[*hour].is_occupied())
             .collect();
         let all = 10 * table.days();
         let daylight = table.hours / 2;
@@ -165,10 +153,12 @@ impl Metrics {
                     .map(|hour| table.at(hour, point))
                     .sum();
                 let [low, good, high] = USEFUL;
+                let autonomous = share(count(&|e| e >= AUTONOMY));
                 ByPoint {
                     mean_lx: sum(&occupied) / all.max(1) as f64,
                     year_klxh: every / 1000.0,
-                    da300_pct: share(count(&|e| e >= AUTONOMY)),
+                    da300_pct: autonomous,
+                    da300_blinds_pct: autonomous,
                     sun1000_h: sunny.count() as f64,
                     udi_below_100_pct: share(count(&|e| e < low) + dark),
                     udi_100_300_pct: share(count(&|e| (low..good).contains(&e))),
@@ -182,6 +172,9 @@ impl Metrics {
                         daylight,
                     ),
                     factor_pct: 100.0 * factors.get(point).copied().unwrap_or(0.0),
+                    sight_deg: f64::NAN,
+                    view_m: f64::NAN,
+                    view_layers: f64::NAN,
                 }
             })
             .collect();
@@ -191,213 +184,36 @@ impl Metrics {
             occupied: all,
             daylight,
             median_diffuse: half(diffuse.collect(), daylight),
+            blinds: Vec::new(),
+            unknown_view: [Some("it was not looked for"); 2],
         }
     }
 
-    /// The figures of some of its points, each of an area.
-    pub fn figures(&self, points: &[usize], areas: &[f64]) -> Vec<Figure> {
-        let whole: f64 = points.iter().map(|p| areas[*p]).sum();
-        let part = |is: &dyn Fn(&ByPoint) -> bool| -> f64 {
-            let some = points.iter().filter(|p| is(&self.points[**p]));
-            // The sum of nothing is -0.
-            (0.0 + some.map(|p| areas[*p]).sum::<f64>()) / whole
-        };
-        let mean = |of: &dyn Fn(&ByPoint) -> f64| -> f64 {
-            let sum = points.iter().map(|p| areas[*p] * of(&self.points[*p]));
-            sum.sum::<f64>() / whole
-        };
-        let mut all = vec![figure(
-            "mean",
-            "Mean illuminance",
-            mean(&|p| p.mean_lx),
-            "lx",
-            format!(
-                "mean over the plane and the {} occupied hours",
-                self.occupied
-            ),
-            "",
-        )];
-        let autonomy = 100.0 * part(&|p| p.da300_pct >= 50.0);
-        all.push(Figure {
-            verdict: match autonomy {
-                a if a >= 75.0 - SLACK => "preferred (75 % or more), without blinds",
-                a if a >= 55.0 - SLACK => "acceptable (55 % or more), without blinds",
-                _ => "below 55 %, without blinds",
-            }
-            .into(),
-            ..figure(
-                "sda",
-                "sDA300/50%, no blinds",
-                autonomy,
-                "% of the plane",
-                format!(
-                    "points with at least 300 lx in at least half of the {} occupied hours; blinds are not operated, which the standard asks for",
-                    self.occupied
-                ),
-                LM_83,
-            )
-        });
-        let exposed = 100.0 * part(&|p| p.sun1000_h > EXPOSED[1]);
-        all.push(Figure {
-            verdict: if exposed <= 10.0 + SLACK { "10 % or less" } else { "above 10 %" }.into(),
-            ..figure(
-                "ase",
-                "ASE1000,250h",
-                exposed,
-                "% of the plane",
-                "points where the sun alone, without bounces and blinds, gives more than 1000 lx in more than 250 occupied hours".into(),
-                LM_83,
-            )
-        });
-        let useful: [(&str, &str, Of); 4] = [
-            ("udi_below_100", "UDI below 100 lx", |p| p.udi_below_100_pct),
-            ("udi_100_300", "UDI 100 to 300 lx", |p| p.udi_100_300_pct),
-            ("udi_300_3000", "UDI 300 to 3000 lx", |p| p.udi_300_3000_pct),
-            ("udi_above_3000", "UDI above 3000 lx", |p| {
-                p.udi_above_3000_pct
-            }),
-        ];
-        for (key, name, of) in useful {
-            let method = format!(
-                "mean over the plane of the share of the {} occupied hours",
-                self.occupied
-            );
-            all.push(figure(key, name, mean(&of), "% of the hours", method, UDI));
+    /// The same with the views of the points.
+    pub fn with_views(mut self, views: &Views) -> Self {
+        for (point, view) in self.points.iter_mut().zip(&views.points) {
+            point.sight_deg = view.sight_deg;
+            point.view_m = view.distance;
+            point.view_layers = view.layers;
         }
-        self.by_year(&mut all, &part);
-        self.by_factor(&mut all, &part, mean(&|p| p.factor_pct));
-        all.push(Figure {
-            value: None,
-            verdict: "not assessed".into(),
-            ..figure(
-                "view_out",
-                "View out",
-                0.0,
-                "",
-                "sight angle, distance and layers of what is seen through openings".into(),
-                EN_17037,
-            )
-        });
-        all
+        self.unknown_view = views.unknown;
+        self
     }
 
-    fn by_year(&self, all: &mut Vec<Figure>, part: &Part<'_>) {
-        let method = |e: f64, share: f64| {
-            format!(
-                "share of the plane with at least {e} lx in half of the {} daylight hours; asked on {:.0} %",
-                self.daylight,
-                100.0 * share
-            )
-        };
-        for (name, target, minimum) in LEVELS {
-            let shares = [target, minimum].map(|e| part(&|p| p.half_daylight_lx >= e));
-            let verdict = reached(shares);
-            for ((what, e), (share, asked)) in [("target", target), ("minimum", minimum)]
-                .into_iter()
-                .zip(shares.into_iter().zip(ON_PLANE))
-            {
-                all.push(Figure {
-                    verdict: verdict.clone(),
-                    ..figure(
-                        &format!("en17037_year_{name}_{what}"),
-                        &format!("EN 17037 by the year, level {name}: {what} {e} lx"),
-                        100.0 * share,
-                        "% of the plane",
-                        method(e, asked),
-                        EN_17037,
-                    )
-                });
-            }
+    /// The same with blinds that are operated, which autonomy alone is by.
+    pub fn with_blinds(mut self, operated: &Operated) -> Self {
+        let table = &operated.table;
+        let occupied = (0..table.stamps.len()).filter(|hour| table.stamps[*hour].is_occupied());
+        let occupied: Vec<usize> = occupied.collect();
+        for (number, point) in self.points.iter_mut().enumerate() {
+            let is_lit = |hour: &&usize| table.at(**hour, number) >= AUTONOMY;
+            let lit = occupied.iter().filter(is_lit).count();
+            point.da300_blinds_pct = 100.0 * lit as f64 / self.occupied.max(1) as f64;
         }
-    }
-
-    fn by_factor(&self, all: &mut Vec<Figure>, part: &Part<'_>, mean: f64) {
-        all.push(figure(
-            "factor_mean",
-            "Mean daylight factor",
-            mean,
-            "%",
-            "mean over the plane under the CIE overcast sky, type 16, over open level ground"
-                .into(),
-            CIE,
-        ));
-        all.push(figure(
-            "diffuse_median",
-            "Median external diffuse illuminance",
-            self.median_diffuse,
-            "lx",
-            format!(
-                "on open level ground, of the {} daylight hours of the weather file",
-                self.daylight
-            ),
-            EN_17037,
-        ));
-        for (name, target, minimum) in LEVELS {
-            let factors = [target, minimum].map(|e| 100.0 * e / self.median_diffuse);
-            let shares = factors.map(|factor| part(&|p| p.factor_pct >= factor));
-            let verdict = reached(shares);
-            let lines = ["target", "minimum"]
-                .into_iter()
-                .zip(factors)
-                .zip(shares.into_iter().zip(ON_PLANE));
-            for ((what, factor), (share, asked)) in lines {
-                // Without diffuse light there is no factor to ask for.
-                let is_known = factor.is_finite();
-                let asks = match is_known {
-                    true => format!("{what} {factor:.2} %"),
-                    false => what.to_owned(),
-                };
-                all.push(Figure {
-                    value: is_known.then_some(100.0 * share),
-                    verdict: match is_known {
-                        true => verdict.clone(),
-                        false => "not assessed".into(),
-                    },
-                    ..figure(
-                        &format!("en17037_factor_{name}_{what}"),
-                        &format!("EN 17037 by the daylight factor, level {name}: {asks}"),
-                        100.0 * share,
-                        "% of the plane",
-                        format!(
-                            "share of the plane with at least that factor: the level's illuminance over the median external diffuse; asked on {:.0} %",
-                            100.0 * asked
-                        ),
-                        EN_17037,
-                    )
-                });
-            }
-        }
-    }
-}
-
-/// Whether target and minimum hold on enough of the plane; of roofs' light the target is asked on as much as the minimum.
-fn reached([target, minimum]: [f64; 2]) -> String {
-    let is_enough = |share: f64, asked: f64| share >= asked - 0.01 * SLACK;
-    let side = is_enough(target, ON_PLANE[0]) && is_enough(minimum, ON_PLANE[1]);
-    match (side, is_enough(target, ON_PLANE[1])) {
-        (_, true) => "reached, by light from sides or roof",
-        (true, false) => "reached, by light from sides",
-        (false, false) => "not reached",
-    }
-    .into()
-}
-
-fn figure(
-    key: &str,
-    name: &str,
-    value: f64,
-    unit: &'static str,
-    method: String,
-    edition: &'static str,
-) -> Figure {
-    Figure {
-        key: key.into(),
-        name: name.into(),
-        value: Some(value),
-        unit,
-        verdict: String::new(),
-        method,
-        edition,
+        let names = operated.groups.iter().map(|(name, _)| name.clone());
+        let closed = names.zip((0..).map(|group| operated.hours(group)));
+        self.blinds = closed.collect();
+        self
     }
 }
 
@@ -424,6 +240,7 @@ fn half(mut values: Vec<f64>, count: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::epw::Date;
+    use super::super::figures::Figure;
     use super::super::table::Stamp;
     use super::*;
 
@@ -572,8 +389,9 @@ mod tests {
             verdict("en17037_factor_minimum_target"),
             "reached, by light from sides or roof"
         );
-        let view = figures.iter().find(|f| f.key == "view_out").expect("there");
-        assert_eq!((view.value, view.verdict.as_str()), (None, "not assessed"));
+        let view = figures.iter().find(|f| f.key == "view_high");
+        let view = view.expect("there");
+        assert!(view.value.is_none() && view.verdict.starts_with("not assessed: "));
     }
 
     #[test]

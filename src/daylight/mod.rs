@@ -7,15 +7,21 @@
 //! - [`map`]: a grid's values as a drawing
 //! - [`raster`]: the same as an OpenEXR file
 //! - [`epw`], [`hours`]: weather files, and the sun and the sky of each of their hours
-//! - [`year`], [`table`], [`metrics`]: the illuminance of sensors hour by hour, and what standards make of it
+//! - [`year`], [`table`], [`metrics`], [`figures`]: the illuminance of sensors hour by hour, and what standards make of it
+//! - [`glazing`]: other glass in the same windows
+//! - [`blinds`]: closed by groups of windows while the sun is too much
+//! - [`view`]: what is seen through panes from where sensors are
 //! - [`report`], [`page`], [`heat_map`]: what is told of it, as numbers and as one page
 //! - [`direct_sun`], [`sun_hours`]: what comes straight from the sun, and for how long on a day
 
 pub mod assumed;
+pub mod blinds;
 pub mod direct_sun;
 pub mod epw;
 pub mod factor;
+pub mod figures;
 pub mod floor;
+pub mod glazing;
 pub mod grid;
 pub mod heat_map;
 pub mod hours;
@@ -32,4 +38,5 @@ pub mod section;
 mod spec;
 pub mod sun_hours;
 pub mod table;
+pub mod view;
 pub mod year;

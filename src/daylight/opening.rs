@@ -138,14 +138,9 @@ fn among(scene: &Scene, geometry: &Geometry, triangles: &[u32], spec: &GridSpec)
     found
 }
 
-fn corners(scene: &Scene, triangle: u32) -> [DVec3; 3] {
-    let vertices = scene.mesh.triangles[triangle as usize].vertices;
-    vertices.map(|v| scene.mesh.positions[v as usize])
-}
-
 /// Twice the area of a triangle along its normal [m2].
 fn facet(scene: &Scene, triangle: u32) -> DVec3 {
-    let [a, b, c] = corners(scene, triangle);
+    let [a, b, c] = scene.mesh.corners(triangle);
     (b - a).cross(c - a)
 }
 
@@ -153,7 +148,10 @@ fn facet(scene: &Scene, triangle: u32) -> DVec3 {
 /// are in none.
 fn flat(scene: &Scene, triangles: &[u32]) -> Vec<Vec<u32>> {
     let keys = |triangle: u32| {
-        corners(scene, triangle).map(|corner| (corner / SAME).round().to_array().map(|x| x as i64))
+        scene
+            .mesh
+            .corners(triangle)
+            .map(|corner| (corner / SAME).round().to_array().map(|x| x as i64))
     };
     let mut at: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     for triangle in triangles {
@@ -169,10 +167,16 @@ fn flat(scene: &Scene, triangles: &[u32]) -> Vec<Vec<u32>> {
     sizes.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut groups = Vec::new();
     for (_, first) in sizes {
-        let (normal, place) = (facet(scene, first).normalize(), corners(scene, first)[0]);
+        let (normal, place) = (
+            facet(scene, first).normalize(),
+            scene.mesh.corners(first)[0],
+        );
         let mut belongs = |triangle: u32| {
             let is_level = facet(scene, triangle).normalize_or_zero().dot(normal).abs() > FLAT;
-            let off = corners(scene, triangle).map(|corner| (corner - place).dot(normal).abs());
+            let off = scene
+                .mesh
+                .corners(triangle)
+                .map(|corner| (corner - place).dot(normal).abs());
             let own = is_level && off.iter().all(|off| *off < BEHIND);
             own && is_free.insert(triangle, false) == Some(true)
         };
@@ -208,6 +212,105 @@ enum Found {
     Narrow,
 }
 
+/// How panes in one plane lie.
+struct Facing {
+    centre: DVec3,
+    /// Unit normal on the side with more free sky.
+    outward: DVec3,
+    /// Whether any sky is free on either side.
+    leads_out: bool,
+    /// Unit vectors along the plane: level, and as far upward as can be.
+    axes: [DVec3; 2],
+}
+
+impl Facing {
+    fn of(scene: &Scene, geometry: &Geometry, group: &[u32]) -> Self {
+        let facets = group.iter().map(|t| facet(scene, *t));
+        let largest = facets.max_by(|a, b| a.length().total_cmp(&b.length()));
+        let normal = largest.unwrap_or_default().normalize_or(DVec3::Y);
+        let points = || group.iter().flat_map(|t| scene.mesh.corners(*t));
+        let centre = points().sum::<DVec3>() / points().count() as f64;
+        let free = [1.0, -1.0].map(|side| free_sky(geometry, centre, side * normal));
+        let outward = match free {
+            [front, back] if front >= back => normal,
+            _ => -normal,
+        };
+        let up = if outward.y.abs() > 0.999 {
+            DVec3::NEG_Z
+        } else {
+            DVec3::Y
+        };
+        let v = (up - up.dot(outward) * outward).normalize();
+        Facing {
+            centre,
+            outward,
+            leads_out: free != [0, 0],
+            axes: [v.cross(outward), v],
+        }
+    }
+
+    /// A place along the axes [m].
+    fn flat(&self, place: DVec3) -> DVec2 {
+        let way = place - self.centre;
+        dvec2(way.dot(self.axes[0]), way.dot(self.axes[1]))
+    }
+}
+
+/// Panes in one plane that lead outside.
+pub(super) struct Sheet {
+    /// Their triangles.
+    pub triangles: Vec<u32>,
+    /// Unit normal toward the outside.
+    pub outward: DVec3,
+    /// The mean of their corners [m].
+    pub centre: DVec3,
+    /// Their size [m2].
+    pub area: f64,
+}
+
+impl Sheet {
+    /// Whether another lies before it or behind it: panes of one opening.
+    pub fn is_over(&self, other: &Sheet) -> bool {
+        let way = other.centre - self.centre;
+        let across = way.dot(self.outward);
+        let aside = (way - across * self.outward).length();
+        self.outward.dot(other.outward).abs() > FLAT
+            && across.abs() < BEHIND
+            && aside < 0.1 * self.area.sqrt()
+    }
+}
+
+/// Those of some panes that lead outside, sheet by sheet, and how many sheets lead nowhere. Edges of panes that are boxes are left out.
+pub(super) fn sheets(scene: &Scene, geometry: &Geometry, panes: &[u32]) -> (Vec<Sheet>, usize) {
+    let (mut found, mut inner) = (Vec::new(), 0);
+    for triangles in flat(scene, panes) {
+        let facing = Facing::of(scene, geometry, &triangles);
+        let corners = triangles.iter().flat_map(|t| scene.mesh.corners(*t));
+        let (low, high) = corners
+            .map(|p| facing.flat(p))
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            });
+        if (high - low).min_element() < NARROW {
+            continue;
+        }
+        if !facing.leads_out {
+            inner += 1;
+            continue;
+        }
+        found.push(Sheet {
+            area: triangles
+                .iter()
+                .map(|t| 0.5 * facet(scene, *t).length())
+                .sum(),
+            triangles,
+            outward: facing.outward,
+            centre: facing.centre,
+        });
+    }
+    (found, inner)
+}
+
 /// One opening.
 fn opening(
     scene: &Scene,
@@ -216,33 +319,22 @@ fn opening(
     group: &[u32],
     spec: &GridSpec,
 ) -> Found {
-    let facets = group.iter().map(|t| facet(scene, *t));
-    let largest = facets.max_by(|a, b| a.length().total_cmp(&b.length()));
-    let normal = largest.unwrap_or_default().normalize_or(DVec3::Y);
-    let points = || group.iter().flat_map(|t| corners(scene, *t));
-    let centre = points().sum::<DVec3>() / points().count() as f64;
-    let free = [1.0, -1.0].map(|side| free_sky(geometry, centre, side * normal));
-    let normal = match free {
-        [front, back] if front >= back => normal,
-        _ => -normal,
-    };
+    let facing = Facing::of(scene, geometry, group);
+    let (centre, normal, [u, v]) = (facing.centre, facing.outward, facing.axes);
     let is_roof = normal.y.abs() > ROOF;
-    let up = if is_roof && normal.y.abs() > 0.999 {
-        DVec3::NEG_Z
-    } else {
-        DVec3::Y
-    };
-    let v = (up - up.dot(normal) * normal).normalize();
-    let u = v.cross(normal);
-    let place = |p: DVec3| dvec2((p - centre).dot(u), (p - centre).dot(v));
-    let outline = Outline::union(group.iter().map(|t| corners(scene, *t).map(place).to_vec()));
+    let place = |p: DVec3| facing.flat(p);
+    let outline = Outline::union(
+        group
+            .iter()
+            .map(|t| scene.mesh.corners(*t).map(place).to_vec()),
+    );
     let Some([low, high]) = outline.bounds() else {
         return Found::Narrow;
     };
     if (high - low).min_element() < NARROW {
         return Found::Narrow;
     }
-    if free == [0, 0] {
+    if !facing.leads_out {
         return Found::Inner;
     }
     let mut at = 0.5 * (low + high);

@@ -3,9 +3,11 @@
 //! A page, a table and a file of numbers are made of the same [`Report`], so that each figure of one is in the others.
 
 use super::epw::WeatherFile;
+use super::factor::no_daylight;
+use super::figures::Figure;
 use super::grid::Sensors;
 use super::hours::{Hours, ShiftFrom};
-use super::metrics::{ByPoint, Figure, Metrics};
+use super::metrics::{ByPoint, Metrics};
 use super::table::Table;
 use super::year::{Fineness, Year};
 use crate::colour::{Space, luminance};
@@ -204,6 +206,18 @@ impl Report {
                 fineness.detail.patch
             ),
         );
+        for shade in &scene.shades {
+            line(
+                "blinds",
+                format!(
+                    "{}: closed they scatter {} of the light, let {} straight through and reflect {}",
+                    shade.name(),
+                    shade.transmittance,
+                    shade.openness,
+                    shade.reflectance
+                ),
+            );
+        }
         let mut hourly_mean_lx = vec![0.0; table.hours];
         for (stamp, mean) in table.stamps.iter().zip(table.means(&areas)) {
             hourly_mean_lx[stamp.number] = mean;
@@ -217,6 +231,8 @@ impl Report {
         };
         let mut warnings: Vec<String> = hours.warnings.iter().map(ToString::to_string).collect();
         warnings.extend(conditions.warnings.iter().map(ToString::to_string));
+        let dark = no_daylight(metrics.points.iter().map(|point| point.factor_pct));
+        warnings.extend(dark.map(|warning| warning.to_string()));
         for left in &sensors.left_out {
             warnings.push(format!(
                 "{}: {} sensors left out: they {}",
@@ -240,7 +256,7 @@ impl Report {
             weather_header: file.header.clone(),
             materials: materials(scene),
             rooms,
-            assumptions: assumptions(file, hours),
+            assumptions: assumptions(file, hours, scene),
             warnings,
             hourly_mean_lx,
             sensors: sensors.points.iter().enumerate().map(of_sensor).collect(),
@@ -294,7 +310,10 @@ impl Report {
             let numbers = places.chain([sensor.area]).chain(sensor.metrics.values());
             let cells: Vec<String> = std::iter::once(quoted(&sensor.room))
                 // 0 has no sign.
-                .chain(numbers.map(|number| (number + 0.0).to_string()))
+                .chain(numbers.map(|number| match number.is_nan() {
+                    true => String::new(),
+                    false => (number + 0.0).to_string(),
+                }))
                 .collect();
             let _ = writeln!(text, "{}", cells.join(","));
         }
@@ -359,7 +378,7 @@ fn materials(scene: &Scene) -> Vec<Surface> {
     used.iter().filter_map(of).collect()
 }
 
-fn assumptions(file: &WeatherFile, hours: &Hours) -> Vec<String> {
+fn assumptions(file: &WeatherFile, hours: &Hours, scene: &Scene) -> Vec<String> {
     let clock = match file.summer {
         Some([from, to]) => format!(
             "Occupied hours are 8 to 18 o'clock by the local clock, with summer time from {}/{} to {}/{} as the weather file says.",
@@ -379,7 +398,12 @@ fn assumptions(file: &WeatherFile, hours: &Hours) -> Vec<String> {
             .into(),
         "An hour has one sky and one sun, in the middle of the part of the hour in which it is up.".into(),
         "Surfaces are matt. Glass lets light straight through, by its angle, and reflects none.".into(),
-        "There are no blinds: none are operated, as LM-83 asks for sDA.".into(),
+        match scene.shades.is_empty() {
+            true => "There are no blinds: none are operated, as LM-83 asks for sDA.".into(),
+            false => "Blinds are closed in sDA alone; in all other figures they are open. A closed blind scatters the light that it lets \
+                 through evenly to all sides, without the glass's colour, and what goes out through it is lost."
+                .into(),
+        },
         clock,
         labels,
         "Lamps give no light. Rooms are empty of people, and glass is clean.".into(),

@@ -2,6 +2,9 @@
 
 use super::epw::Date;
 
+/// From when to when rooms are occupied by the local clock [h] (IES LM-83).
+pub const OCCUPIED: [f64; 2] = [8.0, 18.0];
+
 /// An hour of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stamp {
@@ -15,6 +18,13 @@ pub struct Stamp {
     pub clock: f64,
     /// What the sky gives to open level ground [lx].
     pub diffuse: f64,
+}
+
+impl Stamp {
+    /// Whether rooms are occupied in its middle.
+    pub fn is_occupied(&self) -> bool {
+        (OCCUPIED[0]..OCCUPIED[1]).contains(&self.clock)
+    }
 }
 
 /// The illuminance of points in the lit hours of a year; in all others it is 0.

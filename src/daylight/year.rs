@@ -24,6 +24,7 @@ use crate::task::Task;
 use crate::warning::Warning;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A scene and its weather lie at one place, if they are no farther apart each way [degrees].
@@ -70,6 +71,7 @@ pub struct Year {
     transport: Transport,
     coefficients: Coefficients,
     sensors: Arc<[Receiver]>,
+    shining: Vec<u32>,
 }
 
 /// What is to be said where a weather file is that of another place than the scene's.
@@ -127,6 +129,21 @@ impl Year {
         fineness: &Fineness,
         task: Task<'_>,
     ) -> Result<Self> {
+        Self::shining(conditions, sensors, 0..0, fineness, task)
+    }
+
+    /// The same where some triangles shine by their fronts ([`Year::add_shining`]): behind the sensors stands a receiver on the back of
+    /// each patch of them.
+    ///
+    /// # Errors
+    /// Those of [`Year::new`].
+    pub fn shining(
+        conditions: &Conditions,
+        sensors: impl Into<Arc<[Receiver]>>,
+        triangles: Range<u32>,
+        fineness: &Fineness,
+        task: Task<'_>,
+    ) -> Result<Self> {
         if ![1, 2, 4].contains(&fineness.patches) {
             return Err(Error::domain(
                 "the division of the sky",
@@ -135,7 +152,7 @@ impl Year {
                 "1 gives 145 patches, 2 gives 577, 4 gives 2305",
             ));
         }
-        let sensors: Arc<[Receiver]> = sensors.into();
+        let mut sensors: Arc<[Receiver]> = sensors.into();
         let mut conditions = conditions.seen_from(View::of_points(sensors.clone()))?;
         // Lamps are no daylight.
         conditions.lamps = Vec::new().into();
@@ -143,15 +160,44 @@ impl Year {
             sky: fineness.patches,
             ..fineness.detail
         };
-        let transport = Transport::new(&conditions, detail, None, task.stage("who sees whom"))?;
+        let transport = Transport::with_shining(
+            &conditions,
+            detail,
+            None,
+            triangles.clone(),
+            task.stage("who sees whom"),
+        )?;
+        let (mut emitters, mut shining) = (Vec::new(), Vec::new());
+        if !triangles.is_empty() {
+            let mut all = sensors.to_vec();
+            for (patch, triangle, back) in transport.fronts(triangles) {
+                emitters.push(patch);
+                shining.push(triangle);
+                all.push(back);
+            }
+            sensors = all.into();
+            conditions = conditions.seen_from(View::of_points(sensors.clone()))?;
+        }
         let task = task.stage("daylight coefficients");
-        let coefficients = Coefficients::new(&transport, &sensors, fineness.unshot, task)?;
+        let coefficients =
+            Coefficients::new(&transport, &sensors, &emitters, fineness.unshot, task)?;
         Ok(Year {
             conditions,
             transport,
             coefficients,
             sensors,
+            shining,
         })
+    }
+
+    /// Of each patch that shines a triangle of the scene: they stand in the order of the last receivers.
+    pub fn shining_triangles(&self) -> &[u32] {
+        &self.shining
+    }
+
+    /// Adds what patches that shine give to the illuminance of all receivers [lx], by the exitance of each [lm/m2].
+    pub fn add_shining(&self, exitances: &[f64], illuminances: &mut [f64]) {
+        self.coefficients.add_emitted(exitances, illuminances);
     }
 
     /// The coefficients.

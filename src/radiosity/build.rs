@@ -20,6 +20,7 @@ use crate::sky::patches::Subdivision;
 use crate::task::{Pieces, Task};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::AtomicU64;
 
 /// The share of what a patch sees from which on its rays alone find the outside well enough [1].
@@ -71,6 +72,20 @@ impl Transport {
         drawer: Option<&dyn Drawer>,
         task: Task<'_>,
     ) -> Result<Self> {
+        Self::with_shining(conditions, detail, drawer, 0..0, task)
+    }
+
+    /// The same where the fronts of some triangles shine by themselves: light reaches what they see.
+    ///
+    /// # Errors
+    /// Those of [`Transport::new`].
+    pub fn with_shining(
+        conditions: &Conditions,
+        detail: Detail,
+        drawer: Option<&dyn Drawer>,
+        shining: Range<u32>,
+        task: Task<'_>,
+    ) -> Result<Self> {
         let patches = Patches::new(
             conditions,
             detail.patch,
@@ -89,11 +104,18 @@ impl Transport {
             pools: Vec::new(),
             gaps: Vec::new(),
             by_gaps: Vec::new(),
+            shining: Vec::new(),
             seen: Seen::new(),
             seen_bytes: AtomicU64::new(0),
             detail,
             notes: Vec::new(),
         };
+        if !shining.is_empty() {
+            transport.shining = vec![false; transport.patches.all.len()];
+            for (patch, ..) in transport.fronts(shining) {
+                transport.shining[patch as usize] = true;
+            }
+        }
         let pool = |lamp| transport.pool(lamp);
         transport.pools = conditions.lamps.iter().filter_map(pool).collect();
         let all = vec![true; transport.patches.all.len()];
@@ -103,7 +125,7 @@ impl Transport {
         };
         transport.gaps = gaps;
         let few = transport.rows(&all, &[], FEW, task.part(0.1, 0.2))?;
-        let by_lamps: Vec<bool> = match conditions.lamps.is_empty() {
+        let mut by_own_light: Vec<bool> = match conditions.lamps.is_empty() {
             true => Vec::new(),
             false => {
                 let patches = (0..transport.patches.all.len()).into_par_iter();
@@ -112,9 +134,15 @@ impl Transport {
                     .collect()
             }
         };
-        let lit = Exchange::reached(&few, &through, &by_lamps);
+        if !transport.shining.is_empty() {
+            by_own_light.resize(transport.shining.len(), false);
+            for (lit, shines) in by_own_light.iter_mut().zip(&transport.shining) {
+                *lit |= shines;
+            }
+        }
+        let lit = Exchange::reached(&few, &through, &by_own_light);
         if !transport.gaps.is_empty() {
-            let otherwise = Exchange::reached(&few, &[], &by_lamps);
+            let otherwise = Exchange::reached(&few, &[], &by_own_light);
             let by_gaps = lit.iter().zip(otherwise).map(|(lit, other)| *lit && !other);
             transport.by_gaps = by_gaps.collect();
         }

@@ -4,7 +4,7 @@
 //! A patch is a part of a cell. Light that falls on one side of a wall must not come out of the other, so that a cell on which a
 //! wall stands is cut along the wall's foot, however thin the wall is.
 
-use super::planes::{Plane, Surfaces, corners};
+use super::planes::{Plane, Surfaces};
 use super::tiles::{FINEST, Tile};
 use crate::conditions::Conditions;
 use crate::error::Result;
@@ -250,14 +250,21 @@ pub(super) fn faces(
         faces.push(Face::whole(plane, low, side));
     };
     for plane in &surfaces.planes {
-        let vertices = plane.triangles.iter().flat_map(|t| corners(conditions, *t));
+        let vertices = plane
+            .triangles
+            .iter()
+            .flat_map(|t| conditions.scene.mesh.corners(*t));
         let heights = vertices.map(|p| plane.height(p));
         let (lowest, highest) = heights.fold((0.0f64, 0.0f64), |(low, high), height| {
             (low.min(height), high.max(height))
         });
         for (normal, rise) in [(plane.normal, highest), (-plane.normal, -lowest)] {
             let piece = |triangle: &u32| {
-                let flat = corners(conditions, *triangle).map(|p| plane.flat(p));
+                let flat = conditions
+                    .scene
+                    .mesh
+                    .corners(*triangle)
+                    .map(|p| plane.flat(p));
                 (*triangle, flat.to_vec())
             };
             // Positions are rounded in files: on each side it lies on the highest of its triangles, so that none of them shades it.
@@ -525,7 +532,7 @@ fn cuts(
     // Lines by direction and distance, and how much of them lies in the square.
     let mut lines: Vec<(DVec2, f64, f64)> = Vec::new();
     surfaces.within(bounds.0, bounds.1, |triangle| {
-        let corners = corners(conditions, triangle);
+        let corners = conditions.scene.mesh.corners(triangle);
         let heights = corners.map(|p| plane.height(p) - lift);
         let mut ends: Vec<DVec2> = Vec::new();
         for i in 0..3 {

@@ -65,6 +65,8 @@ pub struct Coefficients {
     surfaces: Vec<f32>,
     /// The same of the open ground's radiance, by channel and point [lx per cd/m2].
     open_ground: Vec<f32>,
+    /// By patch that shines by itself, channel and point: illuminance for an exitance of 1 lm/m2 [1].
+    emitted: Vec<f32>,
     /// What points see of tiles: patch, tile, point, and illuminance for 1 lx more on that tile than on the whole patch [1].
     tiles: Vec<(u32, Tile, u32, Vec3)>,
 }
@@ -83,11 +85,13 @@ struct Block {
     sky: Vec<f32>,
     surfaces: Vec<f32>,
     open_ground: Vec<f32>,
+    emitted: Vec<f32>,
     tiles: Vec<(u32, Tile, u32, Vec3)>,
 }
 
 impl Coefficients {
-    /// Finds them for points, until what is not followed any more is below the share `unshot` of a point's light.
+    /// Finds them for points, until what is not followed any more is below the share `unshot` of a point's light. `emitters` are patches
+    /// that shine by themselves ([`Coefficients::add_emitted`]).
     ///
     /// Memory: 4 bytes a channel, point and patch of sky and surfaces.
     ///
@@ -96,6 +100,7 @@ impl Coefficients {
     pub fn new(
         transport: &Transport,
         points: &[Receiver],
+        emitters: &[u32],
         unshot: f64,
         task: Task<'_>,
     ) -> Result<Self> {
@@ -110,7 +115,7 @@ impl Coefficients {
             .into_par_iter()
             .map(|block| {
                 pieces.begin()?;
-                Ok(transport.block(block, channels, unshot, &open))
+                Ok(transport.block(block, channels, emitters, unshot, &open))
             })
             .collect();
         let blocks = blocks?;
@@ -123,6 +128,7 @@ impl Coefficients {
             sky: vec![0.0; skies * channels * points.len()],
             surfaces: vec![0.0; active.len() * channels * points.len()],
             open_ground: vec![0.0; channels * points.len()],
+            emitted: vec![0.0; emitters.len() * channels * points.len()],
             tiles: Vec::new(),
             levels: Vec::new(),
             patches: active,
@@ -136,6 +142,9 @@ impl Coefficients {
             };
             for row in 0..skies * channels {
                 copy(&mut all.sky, row, &block.sky, row);
+            }
+            for row in 0..emitters.len() * channels {
+                copy(&mut all.emitted, row, &block.emitted, row);
             }
             for channel in 0..channels {
                 copy(&mut all.open_ground, channel, &block.open_ground, channel);
@@ -250,6 +259,18 @@ impl Coefficients {
         }
     }
 
+    /// The illuminance [lx] that patches which shine by themselves give, straight and by surfaces, for the exitance of each [lm/m2],
+    /// without colour: added to that of each point.
+    pub fn add_emitted(&self, exitances: &[f64], illuminances: &mut [f64]) {
+        let mut sum = vec![0.0; self.points];
+        for (emitter, exitance) in exitances.iter().enumerate() {
+            self.add(&self.emitted, emitter, DVec3::splat(*exitance), &mut sum);
+        }
+        for (all, own) in illuminances.iter_mut().zip(sum) {
+            *all += f64::from(own);
+        }
+    }
+
     /// Adds what a source of a number gives, of this strength.
     fn add(&self, of: &[f32], number: usize, strength: DVec3, sum: &mut [f32]) {
         let weights = match self.channels {
@@ -288,7 +309,14 @@ impl Transport {
     }
 
     /// What some points receive.
-    fn block(&self, points: &[Receiver], channels: usize, unshot: f64, open: &[DVec3]) -> Block {
+    fn block(
+        &self,
+        points: &[Receiver],
+        channels: usize,
+        emitters: &[u32],
+        unshot: f64,
+        open: &[DVec3],
+    ) -> Block {
         let count = points.len();
         let width = channels * count;
         let patches = &self.patches.all;
@@ -310,6 +338,12 @@ impl Transport {
             }
         }
         let mut surfaces = self.solved(start, width, channels, unshot);
+        let mut emitted = Vec::with_capacity(emitters.len() * width);
+        for emitter in emitters.iter().map(|e| *e as usize) {
+            let row = &surfaces[emitter * width..(emitter + 1) * width];
+            let area = patches[emitter].area as f32;
+            emitted.extend(row.iter().map(|share| area * share));
+        }
         for (patch, row) in patches.iter().zip(surfaces.chunks_mut(width.max(1))) {
             for channel in 0..channels {
                 let factor = (patch.area * patch.albedo[channel]) as f32;
@@ -380,6 +414,7 @@ impl Transport {
             sky,
             surfaces,
             open_ground,
+            emitted,
         }
     }
 

@@ -9,7 +9,7 @@
 //! at silhouettes the ray is cast: both ways give the same rows, and walls that meet have no gaps.
 
 use super::arrival::{Row, Source, spread};
-use super::planes::{Home, corners};
+use super::planes::Home;
 use super::transport::{Transport, WHOLE};
 use crate::error::{Error, Result};
 use crate::scene::geometry::intersect;
@@ -359,7 +359,7 @@ impl Transport {
     ) -> Result<Vec<Sum>> {
         let (numbers, opacities): (Vec<_>, Vec<_>) = self.conditions.geometry.casters().unzip();
         let target = |triangle: &u32| Target {
-            corners: corners(&self.conditions, *triangle),
+            corners: self.conditions.scene.mesh.corners(*triangle),
             home: self.home(*triangle),
         };
         let cast = Cast {

@@ -8,7 +8,7 @@
 use super::arrival::{Arrival, Row, Source, merge};
 use super::cells::{Face, Part};
 use super::light::Light;
-use super::planes::{Home, corners};
+use super::planes::Home;
 use super::points::{Factors, Point};
 use super::shards::Shards;
 use super::transport::Transport;
@@ -73,7 +73,7 @@ impl Lattice {
         facet: DVec3,
         position: DVec3,
     ) -> Received {
-        let [a, b, c] = corners(&transport.conditions, triangle);
+        let [a, b, c] = transport.conditions.scene.mesh.corners(triangle);
         let outward = (b - a).cross(c - a);
         let front = outward.dot(facet) >= 0.0;
         if let Home::Plane(plane, is_front) = transport.patches.homes[triangle as usize]
@@ -293,7 +293,7 @@ impl Transport {
     fn at_corner(&self, light: &Light, triangle: u32, corner: usize, front: bool) -> Received {
         let mesh = &self.conditions.scene.mesh;
         let outward = |triangle: u32| {
-            let [a, b, c] = corners(&self.conditions, triangle);
+            let [a, b, c] = self.conditions.scene.mesh.corners(triangle);
             (b - a).cross(c - a).normalize_or_zero()
         };
         let vertex = mesh.triangles[triangle as usize].vertices[corner];
@@ -306,7 +306,7 @@ impl Transport {
             front = (outward(triangle).dot(own) >= 0.0) == agrees;
         }
         let row = || {
-            let places = corners(&self.conditions, triangle);
+            let places = self.conditions.scene.mesh.corners(triangle);
             let facet = if front {
                 outward(triangle)
             } else {

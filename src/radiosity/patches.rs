@@ -2,7 +2,7 @@
 
 use super::arrival::{Source, cosine_law, spread};
 use super::cells::{Face, GROUND_TRIANGLE, Part, faces};
-use super::planes::{Home, Surfaces, corners};
+use super::planes::{Home, Surfaces};
 use super::tiles::Tile;
 use crate::colour::Space;
 use crate::conditions::Conditions;
@@ -132,7 +132,7 @@ impl Patches {
         for cluster in &surfaces.clusters {
             of_cluster.push(raw.len() as u32);
             let piece = |(triangle, side): &(u32, usize)| {
-                let corners = corners(conditions, *triangle);
+                let corners = conditions.scene.mesh.corners(*triangle);
                 let [a, b, c] = corners;
                 let normal = (b - a).cross(c - a).normalize_or_zero();
                 Piece {
@@ -157,7 +157,7 @@ impl Patches {
             .collect();
         let mesh = &conditions.scene.mesh;
         let facet = |triangle: u32| {
-            let [a, b, c] = corners(conditions, triangle);
+            let [a, b, c] = conditions.scene.mesh.corners(triangle);
             (b - a).cross(c - a)
         };
         let facets: Vec<DVec3> = (0..mesh.triangles.len() as u32).map(facet).collect();
@@ -382,7 +382,7 @@ fn is_there(conditions: &Conditions, spot: &Spot) -> bool {
 
 /// The weights of the second and third vertex at a point of a triangle.
 fn weights(conditions: &Conditions, triangle: u32, point: DVec3) -> [f64; 2] {
-    let [a, b, c] = corners(conditions, triangle);
+    let [a, b, c] = conditions.scene.mesh.corners(triangle);
     let (e, f, p) = (b - a, c - a, point - a);
     let normal = e.cross(f);
     let square = normal.length_squared();

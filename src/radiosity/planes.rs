@@ -113,14 +113,6 @@ pub(super) struct Surfaces {
     pub bounds: Vec<Bound>,
 }
 
-/// The corners of a triangle of the scene [m].
-pub(super) fn corners(conditions: &Conditions, triangle: u32) -> [DVec3; 3] {
-    let mesh = &conditions.scene.mesh;
-    mesh.triangles[triangle as usize]
-        .vertices
-        .map(|v| mesh.positions[v as usize])
-}
-
 impl Surfaces {
     /// Sorts the triangles. Clusters are about `share` as large as the connected thing that they are a part of, and larger
     /// where there would be more than `most`.
@@ -141,7 +133,7 @@ impl Surfaces {
         sorted.sort_unstable();
         let mut of_triangle = Vec::with_capacity(sorted.len());
         for &triangle in &sorted {
-            let [a, b, c] = corners(conditions, triangle);
+            let [a, b, c] = conditions.scene.mesh.corners(triangle);
             let Some(facet) = (b - a).cross(c - a).try_normalize() else {
                 continue;
             };
@@ -276,7 +268,7 @@ fn clusters(
         let mut numbers: HashMap<(i32, [i64; 3], i8, u64, u8), u32> = HashMap::new();
         let mut clusters: Vec<Vec<(u32, usize)>> = Vec::new();
         for (&triangle, open) in small.iter().zip(&open) {
-            let [a, b, c] = corners(conditions, triangle);
+            let [a, b, c] = conditions.scene.mesh.corners(triangle);
             let facet = (b - a).cross(c - a);
             let middle = (a + b + c) / 3.0;
             let thing = things.extent_of(triangle);
@@ -311,7 +303,7 @@ fn clusters(
 /// What is inside of something (the foot of a pillar in the floor, a vault's upper side) is dark, and would dim what it is taken
 /// together with.
 fn openness(conditions: &Conditions, triangle: u32, back: bool) -> u8 {
-    let [a, b, c] = corners(conditions, triangle);
+    let [a, b, c] = conditions.scene.mesh.corners(triangle);
     let facet = (b - a).cross(c - a).normalize_or_zero();
     let normal = if back { -facet } else { facet };
     let map = Map::before(normal);
@@ -331,7 +323,7 @@ fn openness(conditions: &Conditions, triangle: u32, back: bool) -> u8 {
         match conditions.geometry.closest(&ray, 0.0, f64::INFINITY) {
             None => free += 1,
             Some(hit) => {
-                let [a, b, c] = corners(conditions, hit.triangle);
+                let [a, b, c] = conditions.scene.mesh.corners(hit.triangle);
                 inside += u8::from((b - a).cross(c - a).dot(ray.direction) > 0.0);
             }
         }
@@ -381,7 +373,11 @@ impl Things {
         };
         let mut first = vec![0u32; mesh.triangles.len()];
         for &triangle in kept {
-            let [a, b, c] = corners(conditions, triangle).map(|p| corner(&mut parent, p));
+            let [a, b, c] = conditions
+                .scene
+                .mesh
+                .corners(triangle)
+                .map(|p| corner(&mut parent, p));
             first[triangle as usize] = a;
             for other in [b, c] {
                 let (i, j) = (root(&mut parent, a), root(&mut parent, other));
@@ -399,7 +395,7 @@ impl Things {
             });
             number[triangle as usize] = thing;
             let (low, high) = &mut boxes[thing as usize];
-            for p in corners(conditions, triangle) {
+            for p in conditions.scene.mesh.corners(triangle) {
                 *low = low.min(p);
                 *high = high.max(p);
             }

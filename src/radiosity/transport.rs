@@ -5,13 +5,14 @@ use super::dome::Dome;
 use super::exchange::Exchange;
 use super::gaps::Gap;
 use super::openings::Openings;
-use super::patches::Patches;
+use super::patches::{Patch, Patches, Spot};
 use super::points::Seen;
 use super::pools::Pool;
 use super::tiles::Tile;
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, Receiver};
 use crate::scene::{Hit, Ray, opacity};
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 use std::sync::atomic::AtomicU64;
 
 /// How finely light is carried.
@@ -48,6 +49,8 @@ pub struct Transport {
     pub(super) gaps: Vec<Gap>,
     /// Which patches light reaches through small gaps alone; none of them, where there are no gaps.
     pub(super) by_gaps: Vec<bool>,
+    /// Which patches shine by themselves; empty: none.
+    pub(super) shining: Vec<bool>,
     /// What points of lattices have seen.
     pub(super) seen: Seen,
     /// How much memory that takes [bytes].
@@ -80,6 +83,29 @@ impl Transport {
             let spot = patch.middle();
             (patch.area, spot.point, spot.normal)
         })
+    }
+
+    /// The patches on the fronts of some triangles of the scene: the number of each, the triangle about its middle, and what would be
+    /// met on its back there.
+    pub fn fronts(&self, triangles: Range<u32>) -> Vec<(u32, u32, Receiver)> {
+        let mesh = &self.conditions.scene.mesh;
+        let front = |(number, patch): (u32, &Patch)| {
+            let Spot {
+                point,
+                normal,
+                triangle,
+            } = patch.middle();
+            let is_own = triangles.contains(&triangle) && {
+                let [a, b, c] = mesh.corners(triangle);
+                (b - a).cross(c - a).dot(normal) > 0.0
+            };
+            let back = Receiver {
+                position: point,
+                normal: -normal,
+            };
+            is_own.then_some((number, triangle, back))
+        };
+        (0..).zip(&self.patches.all).filter_map(front).collect()
     }
 
     /// Where the light that a patch sends goes: shares, which sum to 1, and what the air lets through of them [1, RGB]. Empty for a patch
@@ -189,7 +215,9 @@ impl Transport {
         match source {
             Source::Nothing => false,
             Source::Sky(_) | Source::OpenGround => true,
-            Source::Patch(patch, _) => self.patches.is_ground(patch),
+            Source::Patch(patch, _) => {
+                self.patches.is_ground(patch) || self.shining.get(patch as usize) == Some(&true)
+            }
         }
     }
 }

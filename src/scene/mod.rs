@@ -48,6 +48,7 @@ mod text;
 mod toml;
 pub mod tree;
 mod wide;
+mod window_shade;
 
 use crate::medium::{ClearAir, Medium};
 use crate::warning::Warning;
@@ -66,6 +67,7 @@ pub use panes::Panes;
 pub use parts::Part;
 pub use placement::{Placement, Up};
 pub use toml::schema;
+pub use window_shade::WindowShade;
 
 /// Everything that a user can say about a scene.
 #[derive(Debug, Clone, Default)]
@@ -106,6 +108,8 @@ pub struct Scene {
     pub sky: SkyEntry,
     /// The endless plane below everything.
     pub ground: Ground,
+    /// Blinds of groups of windows.
+    pub shades: Vec<WindowShade>,
     /// The media, in the file's order.
     pub media: Vec<Medium>,
     /// The clear air between the eye and what it sees; absent: what lies there is seen through nothing but `media`.
@@ -335,6 +339,12 @@ impl Scene {
 }
 
 impl Mesh {
+    /// The corners of a triangle [m], by its number.
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        let vertices = self.triangles[triangle as usize].vertices;
+        vertices.map(|v| self.positions[v as usize])
+    }
+
     /// The least box around all vertices that a triangle uses [m]; `None` without triangles.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let mut corners = self

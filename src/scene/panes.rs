@@ -32,6 +32,17 @@ impl<'a> Panes<'a> {
         self.tree.crossings(ray, near, far)
     }
 
+    /// The panes that a ray crosses between the distances `near` and `far` [m], in order: where, and the scene's number of the triangle.
+    pub fn met(&self, ray: &Ray, near: f64, far: f64) -> Vec<(f64, u32)> {
+        let mut met = Vec::new();
+        self.tree.visit(ray, near, far, |_, hit| {
+            met.push((hit.distance, hit.triangle));
+            f64::INFINITY
+        });
+        met.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        met
+    }
+
     /// What is left of light that goes along a ray from the distance `near` to `far` [m], either way [1].
     pub fn transmittance(&self, ray: &Ray, near: f64, far: f64) -> DVec3 {
         let crossings = self.crossings(ray, near, far);

@@ -10,6 +10,7 @@ use super::lamp::LightTable;
 use super::pane::{self, PaneTable};
 use super::placement::{self, Placement};
 use super::reflectance::{self, MaterialTable};
+use super::window_shade::{self, ShadeTable};
 use super::{Ground, PictureEntry, Scene, SiteEntry, SkyEntry, SunEntry, check};
 use crate::error::{Error, Result};
 use crate::units::DEG;
@@ -60,6 +61,9 @@ struct SceneFile {
     /// Materials of the mesh that are glass.
     #[serde(default)]
     pane: Vec<PaneTable>,
+    /// Blinds that hours with too much sun close.
+    #[serde(default)]
+    shade: Vec<ShadeTable>,
     /// How the scene is pictured when no flag says otherwise.
     picture: Option<PictureTable>,
 }
@@ -302,6 +306,7 @@ pub(super) fn load(
     // What is glass is known before reflectances are given by the names of objects.
     pane::read(file.pane, path, within, &mut scene, &wrong)?;
     reflectance::read(file.material, path, &mut scene, &wrong)?;
+    window_shade::read(file.shade, &mut scene, &wrong)?;
     if let Some(picture) = file.picture {
         scene.picture = PictureEntry {
             size: picture.size,

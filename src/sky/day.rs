@@ -221,13 +221,9 @@ impl Day {
                 addend: DVec3::ZERO,
             },
             Form::Hosek(form) => Height::new([0.0; 2], form.over_height(cos_theta)),
-            Form::Luminance { parts, clear, .. } => Height::new(
-                parts.map(|(gradation, scale)| match scale > 0.0 {
-                    true => scale * gradation.gradation(cos_theta),
-                    false => 0.0,
-                }),
-                clear.over_height(cos_theta),
-            ),
+            Form::Luminance { parts, clear, .. } => {
+                Height::new(by_height(parts, cos_theta), clear.over_height(cos_theta))
+            }
         }
     }
 
@@ -244,10 +240,7 @@ impl Day {
                 colour: form.around_sun(gamma, cos_gamma),
             },
             Form::Luminance { parts, clear, .. } => Around {
-                luminance: parts.map(|(gradation, scale)| match scale > 0.0 {
-                    true => gradation.indicatrix(gamma, cos_gamma),
-                    false => 0.0,
-                }),
+                luminance: by_angle(parts, gamma, cos_gamma),
                 colour: clear.around_sun(gamma, cos_gamma),
             },
         }
@@ -265,9 +258,7 @@ impl Day {
             }
             Form::Hosek(_) => self.working_from_rec709 * rec709(),
             Form::Luminance { grey, .. } => {
-                let [first, second] = height.luminance;
-                let [a, b] = around.luminance;
-                let wanted = (first * a).max(0.0) + (second * b).max(0.0);
+                let wanted = together(height.luminance, around.luminance);
                 let overcast = self.overcast * wanted;
                 if *grey == 1.0 {
                     return overcast;
@@ -296,11 +287,7 @@ impl Day {
             return luminance(self.seen(w, s));
         };
         let (gamma, cos_gamma) = angle_between(w, s);
-        let of = |(gradation, scale): &(Gradation, f64)| match *scale > 0.0 {
-            true => (scale * gradation.value(w.y, gamma, cos_gamma)).max(0.0),
-            false => 0.0,
-        };
-        parts.iter().map(of).sum()
+        together(by_height(parts, w.y), by_angle(parts, gamma, cos_gamma))
     }
 
     /// The same as [`Day::seen`] where height and angle from the sun are known.
@@ -308,6 +295,30 @@ impl Day {
     pub fn seen_at(&self, height: &Height, around: &Around) -> DVec3 {
         into_gamut(self.join(height, around))
     }
+}
+
+/// What of the luminance of each part goes by the height alone, by the cosine of the zenith angle.
+#[inline(always)]
+fn by_height(parts: &[(Gradation, f64); 2], cos_theta: f64) -> [f64; 2] {
+    parts.map(|(gradation, scale)| match scale > 0.0 {
+        true => scale * gradation.gradation(cos_theta),
+        false => 0.0,
+    })
+}
+
+/// What of it goes by the angle from the sun alone [rad].
+#[inline(always)]
+fn by_angle(parts: &[(Gradation, f64); 2], gamma: f64, cos_gamma: f64) -> [f64; 2] {
+    parts.map(|(gradation, scale)| match scale > 0.0 {
+        true => gradation.indicatrix(gamma, cos_gamma),
+        false => 0.0,
+    })
+}
+
+/// The luminance of all parts.
+#[inline(always)]
+fn together([first, second]: [f64; 2], [a, b]: [f64; 2]) -> f64 {
+    (first * a).max(0.0) + (second * b).max(0.0)
 }
 
 /// A day as numbers, for [`Sky::table`](super::Sky).

@@ -39,7 +39,7 @@ use crate::units::DEG;
 use crate::warning::Warning;
 use day::{Day, Position};
 use dusk::Blend;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use perez::Bins;
 use std::f64::consts::FRAC_PI_2;
 
@@ -84,6 +84,16 @@ impl Sky {
             sun_is_up: sun.is_up(),
             blend,
         })
+    }
+
+    /// The same sky turned by an angle about the vertical [rad]: what is toward -Z comes toward -X.
+    pub fn turned(&self, by: f64) -> Self {
+        let turn = DQuat::from_rotation_y(by);
+        Sky {
+            toward_sun: turn * self.toward_sun,
+            toward_azimuth: turn * self.toward_azimuth,
+            ..self.clone()
+        }
     }
 
     /// Radiance toward a unit direction: RGB in the working space, luminance in cd/m2; finite, no channel negative.

@@ -7,7 +7,7 @@ use crate::units::DEG;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::iter::Sum;
-use std::ops::{Div, Mul};
+use std::ops::{Add, Div, Mul};
 
 /// How the dome is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,13 +130,15 @@ impl Patch {
     /// Mean of a function of direction over the patch.
     fn mean<T>(&self, f: impl Fn(DVec3) -> T) -> T
     where
-        T: Sum + Mul<f64, Output = T> + Div<f64, Output = T>,
+        T: Default + Sum + Add<Output = T> + Mul<f64, Output = T> + Div<f64, Output = T>,
     {
         match self.area {
             Area::Triangle(corners) => {
-                let parts = || split(corners, 2);
-                let weight: f64 = parts().map(solid_angle).sum();
-                parts().map(|t| f(centre(t)) * solid_angle(t)).sum::<T>() / weight
+                let (sum, weight) = split(corners, 2).fold((T::default(), 0.0), |(sum, all), t| {
+                    let weight = solid_angle(t);
+                    (sum + f(centre(t)) * weight, all + weight)
+                });
+                sum / weight
             }
             Area::Cell { azimuth, sine } => {
                 let step = 1.5 * DEG;

@@ -55,7 +55,8 @@ impl Hash {
 
 /// Hash of everything that a scene says, whichever files it was read from.
 pub fn of_scene(scene: &Scene) -> String {
-    // All fields by name, so that none is forgotten. The moment is the frames' own, and warnings change no picture.
+    // All fields by name, so that none is forgotten. The moment is the frames' own; warnings and blinds, which years of daylight alone
+    // close, change no picture.
     let Scene {
         name,
         mesh,
@@ -78,6 +79,7 @@ pub fn of_scene(scene: &Scene) -> String {
         media,
         air,
         picture,
+        shades: _,
         warnings: _,
     } = scene;
     let Mesh {

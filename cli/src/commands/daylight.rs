@@ -13,6 +13,7 @@ use crate::tables::printer::{As, Form};
 use crate::tables::work;
 use crate::tell;
 use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::DVec3;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -77,12 +78,20 @@ pub struct DaylightArgs {
     #[arg(long, value_name = "BACKEND", default_value = "auto", value_enum)]
     backend: BackendFlag,
     /// Write what was done to a JSON file
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", value_parser = PathBufValueParser::new().try_map(report_file))]
     report: Option<PathBuf>,
     #[command(flatten)]
     memory: MemoryArgs,
     #[command(flatten)]
     form: FormArgs,
+}
+
+/// A report's file: standard output has the table.
+fn report_file(path: PathBuf) -> Result<PathBuf, &'static str> {
+    match path == Path::new("-") {
+        true => Err("a file is named here; standard output has the table"),
+        false => Ok(path),
+    }
 }
 
 /// Runs `tyndall daylight`.

@@ -13,13 +13,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tyndall::colour::luminance;
 use tyndall::conditions::Conditions;
-use tyndall::daylight::factor::Summary;
+use tyndall::daylight::factor::{Summary, no_daylight};
 use tyndall::daylight::grid::{GridSpec, Sensors};
 use tyndall::daylight::map::{self, Caption};
 use tyndall::daylight::raster;
 use tyndall::output::scale::{Scale, short};
 use tyndall::output::{self, atomic};
-use tyndall::{Error, Result};
+use tyndall::sky::Sky;
+use tyndall::{Error, Result, Warning};
 
 /// What is asked of a grid.
 pub struct Grid<'a> {
@@ -108,6 +109,14 @@ pub fn run(grid: &Grid, meter: &mut Meter) -> Result<()> {
             }
         }
     };
+    let shines = |sky: &Sky| luminance(sky.horizontal_illuminance()) > 0.0;
+    let mut warnings = conditions.warnings.clone();
+    if conditions.sky.as_deref().is_some_and(shines)
+        && let Some(dark) = no_daylight(values.all.iter().map(|row| row[0]))
+    {
+        tell::warnings(std::slice::from_ref(&dark));
+        warnings.push(dark);
+    }
     let summaries = summaries(grid.sensors, &values);
     print(grid, &values, &summaries)?;
     for file in grid.files {
@@ -116,7 +125,8 @@ pub fn run(grid: &Grid, meter: &mut Meter) -> Result<()> {
             Kind::Csv => write(file, csv(grid, &values))?,
             Kind::Raster => raster::write(file, grid.sensors, &columns_of(grid, &values))?,
             Kind::Json => {
-                output::report::write(file, &report(grid, conditions, &values, &summaries))?
+                let said = report(grid, conditions, &warnings, &values, &summaries);
+                output::report::write(file, &said)?;
             }
             // A moment has none, and its ending was refused.
             Kind::Page => {}
@@ -264,6 +274,7 @@ fn csv(grid: &Grid, values: &Values) -> Vec<u8> {
 fn report(
     grid: &Grid,
     conditions: &Conditions,
+    warnings: &[Warning],
     values: &Values,
     summaries: &[(String, Summary)],
 ) -> Value {
@@ -308,7 +319,7 @@ fn report(
         "scene": conditions.scene.name,
         "north_degrees": conditions.scene.north_deg,
         "conditions": said,
-        "warnings": conditions.warnings,
+        "warnings": warnings,
         "grids": grid.specs,
         "left_out": sensors.left_out,
         "notes": sensors.notes,

@@ -1,10 +1,11 @@
-//! The variants of a year: several weather files and orientations of one model, which share who sees whom.
+//! The variants of a year: several glazings, weather files and orientations of one model. Those of one glazing share who sees whom.
 
 use crate::tell;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use tyndall::daylight::epw::WeatherFile;
+use tyndall::daylight::glazing::Glazing;
 use tyndall::daylight::page;
 use tyndall::daylight::report::Report;
 use tyndall::{Error, Result};
@@ -19,8 +20,10 @@ const SHOWN: [(&str, &str); 6] = [
     ("factor_mean", "factor %"),
 ];
 
-/// A weather file with an orientation.
+/// A glazing with a weather file and an orientation.
 pub struct Variant<'a> {
+    /// Which of the glazings, from 0.
+    pub glazing: usize,
     /// The weather.
     pub file: &'a WeatherFile,
     /// By how much the model is turned [degrees], from north through east.
@@ -42,13 +45,14 @@ impl Variant<'_> {
     }
 }
 
-/// All weather files with all turns, in this order.
+/// All glazings with all weather files with all turns, in this order.
 ///
 /// # Errors
-/// [`Error::Input`] for two files of one name, for a turn that is given twice and for one that is no number.
+/// [`Error::Input`] for two files of one name, for a turn or a glazing that is given twice and for a turn that is no number.
 pub fn variants<'a>(
     files: &'a [(PathBuf, WeatherFile)],
     turns: &[f64],
+    glazings: &[Glazing],
 ) -> Result<Vec<Variant<'a>>> {
     let names: Vec<String> = files.iter().map(|(path, _)| stem(path)).collect();
     for (i, name) in names.iter().enumerate() {
@@ -69,22 +73,38 @@ pub fn variants<'a>(
             ));
         }
     }
+    let glasses: Vec<String> = glazings.iter().map(Glazing::tag).collect();
+    for (i, tag) in glasses.iter().enumerate() {
+        if glasses[..i].contains(tag) {
+            return Err(Error::input(
+                "--glazing",
+                format!("{tag} is given twice"),
+                "give each glazing once",
+            ));
+        }
+    }
     let turns = if turns.is_empty() { &[0.0][..] } else { turns };
     let mut all = Vec::new();
-    for ((_, file), name) in files.iter().zip(&names) {
-        for turn in turns {
-            let mut parts = Vec::new();
-            if files.len() > 1 {
-                parts.push(name.clone());
+    for glazing in 0..glasses.len().max(1) {
+        for ((_, file), name) in files.iter().zip(&names) {
+            for turn in turns {
+                let mut parts = Vec::new();
+                if glasses.len() > 1 {
+                    parts.push(glasses[glazing].clone());
+                }
+                if files.len() > 1 {
+                    parts.push(name.clone());
+                }
+                if turns.len() > 1 {
+                    parts.push(format!("turn{turn}"));
+                }
+                all.push(Variant {
+                    glazing,
+                    file,
+                    turn_deg: *turn,
+                    tag: parts.join("."),
+                });
             }
-            if turns.len() > 1 {
-                parts.push(format!("turn{turn}"));
-            }
-            all.push(Variant {
-                file,
-                turn_deg: *turn,
-                tag: parts.join("."),
-            });
         }
     }
     Ok(all)
@@ -136,6 +156,7 @@ pub fn table(all: &[Done]) -> String {
             text.push('\n');
         }
     }
+    text += "mean lx: over the plane and the occupied hours, 8 to 18 o'clock; s: seconds of work for the hours\n";
     text
 }
 

@@ -18,7 +18,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
 use tyndall::daylight::assumed;
+use tyndall::daylight::blinds::{Blinds, Operator, Rooms};
 use tyndall::daylight::epw::WeatherFile;
+use tyndall::daylight::factor;
+use tyndall::daylight::glazing::Glazing;
 use tyndall::daylight::grid::{GridSpec, On, Sensors};
 use tyndall::daylight::hours::Hours;
 use tyndall::daylight::map::{self, Caption};
@@ -27,12 +30,16 @@ use tyndall::daylight::page::{self, Picture};
 use tyndall::daylight::raster;
 use tyndall::daylight::report::{Line, Of, Report, hours_csv};
 use tyndall::daylight::sun_hours::{self, Span, SunHours};
+use tyndall::daylight::table::Table;
+use tyndall::daylight::view::Views;
 use tyndall::daylight::year::{self, Fineness, Year};
 use tyndall::ephemeris::{Site, civil};
+use tyndall::output::drawing::Drawing;
 use tyndall::output::scale::Scale;
 use tyndall::output::{self, atomic};
 use tyndall::plan::Plan;
 use tyndall::scene::{Camera, Scene};
+use tyndall::timelapse::select::Shard;
 use tyndall::{Error, Result};
 
 /// Flags that neither has a use for: weather and quality say all that they do.
@@ -67,6 +74,12 @@ pub struct YearArgs {
         allow_hyphen_values = true
     )]
     turn: Vec<f64>,
+    /// With --weather: other glass, MATERIAL=TRANSMITTANCE at normal incidence, all panes together; repeat it to compare glazings
+    #[arg(long, value_name = "MATERIAL=T,...", requires = "weather", conflicts_with = "sun_hours", value_parser = glazing)]
+    glazing: Vec<Glazing>,
+    /// With --weather: only the variants of shard I of N, which are dealt out by turns, for clusters
+    #[arg(long, value_name = "I/N", requires = "weather", conflicts_with = "sun_hours", value_parser = shard)]
+    shard: Option<Shard>,
     /// With --weather: how finely the sky is divided: 1 (145 patches), 2 (577) or 4 (2305)
     #[arg(
         long,
@@ -144,6 +157,14 @@ fn time(text: &str) -> Result<NaiveTime, String> {
     NaiveTime::parse_from_str(text, "%H:%M").map_err(|_| "write it like 07:30".into())
 }
 
+fn glazing(text: &str) -> Result<Glazing, String> {
+    Glazing::parse(text).map_err(|e| format!("{}; {}", e.problem(), e.remedy()))
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    text.parse().map_err(|e: Error| e.remedy())
+}
+
 /// A step in seconds.
 fn step(text: &str) -> Result<u32, String> {
     let step = place_time::step(text)?;
@@ -210,7 +231,17 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
         .map(|path| Ok((path.clone(), WeatherFile::read(path)?)))
         .collect();
     let files = files?;
-    let variants = variants(&files, &args.turn)?;
+    let mut variants = variants(&files, &args.turn, &args.glazing)?;
+    if let Some(shard) = args.shard {
+        let mut places = 0..;
+        variants.retain(|_| places.next().is_some_and(|place| shard.holds(place)));
+        if variants.is_empty() {
+            tell::line(
+                "shard",
+                "it has no variant: there are fewer of them than shards",
+            );
+        }
+    }
     for variant in &variants {
         for file in asked.files.iter().chain(&args.hours) {
             daylight_files::claim(&variant.named(file), &mut in_use)?;
@@ -266,138 +297,247 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
     }
     let turbidity = scene.sky.turbidity;
     let site = scene.site.clone();
-    let conditions = year::conditions(scene, &asked.scene.request(), first)?;
     let overrules = asked.plan.overrules();
+    // What is wrong with a glazing or a blind is said before the work begins.
+    let mut models = Vec::new();
+    for number in 0..args.glazing.len().max(1) {
+        let mut scene = scene.clone();
+        if let Some(glazing) = args.glazing.get(number) {
+            glazing.put(&mut scene)?;
+        }
+        let mut conditions = year::conditions(scene, &asked.scene.request(), first)?;
+        let blinds = Blinds::new(&conditions.scene, &conditions.geometry)?;
+        conditions.warnings.extend(blinds.warnings.iter().cloned());
+        models.push((conditions, blinds));
+    }
+    let Some((conditions, _)) = models.first() else {
+        return Ok(());
+    };
     // Knobs that do not exist are told.
-    Plan::new(&conditions, &overrules)?;
+    Plan::new(conditions, &overrules)?;
     let sensors = Sensors::new(&conditions.scene, &conditions.geometry, asked.grids)?;
     tell::warnings(&conditions.warnings);
     crate::commands::daylight_grid::tell(&sensors);
-    // What is wrong with a weather file is said before the work begins.
-    let all_hours: Result<Vec<Hours>> = (variants.iter().enumerate())
-        .map(|(number, variant)| {
-            let north = conditions.scene.north_deg + variant.turn_deg;
-            let mut hours = Hours::new(variant.file, north, turbidity, args.label_shift)?;
-            let elsewhere = year::elsewhere(site.as_ref(), variant.file);
-            hours.warnings.extend(elsewhere);
-            // A file's are told once, however the model is turned.
-            let is_same = |other: &Variant| std::ptr::eq(variant.file, other.file);
-            if !variants[..number].iter().any(is_same) {
-                tell::warnings(&hours.warnings);
-            }
-            Ok(hours)
-        })
-        .collect();
-    let all_hours = all_hours?;
+    // Of each weather file once; orientations turn them.
+    let mut hours_of: Vec<(&WeatherFile, Hours)> = Vec::new();
+    for Variant { file, .. } in variants {
+        if hours_of
+            .iter()
+            .any(|(other, _)| std::ptr::eq(*file, *other))
+        {
+            continue;
+        }
+        let north = conditions.scene.north_deg;
+        let mut hours = Hours::new(file, north, turbidity, args.label_shift)?;
+        hours.warnings.extend(year::elsewhere(site.as_ref(), file));
+        tell::warnings(&hours.warnings);
+        hours_of.push((*file, hours));
+    }
     done("read");
     let fineness = Fineness {
         patches: args.patches,
         ..Fineness::new(overrules.quality, &overrules.set)
     };
-    let year = tell::watched(None, |task| {
-        Year::new(&conditions, sensors.receivers(), &fineness, task)
-    })?;
-    done("coefficients");
-    let factors = year.factors(16)?;
-    done("daylight factors");
+    let views = Views::new(conditions, &sensors);
+    done("view out");
+    let receivers = sensors.receivers();
+    let areas: Vec<f64> = sensors.points.iter().map(|sensor| sensor.area).collect();
+    let planes: Vec<usize> = sensors.points.iter().map(|sensor| sensor.plane).collect();
+    let rooms = Rooms {
+        sensors: &receivers,
+        areas: &areas,
+        planes: &planes,
+    };
     let mut all = Vec::new();
-    for (variant, hours) in variants.iter().zip(&all_hours) {
-        let file = variant.file;
-        let clock = |hour: &tyndall::daylight::hours::Hour| {
-            f64::from(hour.hour) - 0.5
-                + hours.clock_shift_h()
-                + f64::from(u8::from(file.is_summer(hour.date)))
-        };
-        let table = tell::watched(None, |task| year.table(hours, clock, task))?;
-        let metrics = Metrics::new(&table, &factors);
-        let quality = Line {
-            name: "quality".into(),
-            value: match overrules.set.is_empty() {
-                true => overrules.quality.name().into(),
-                false => format!("{}, {:?}", overrules.quality.name(), overrules.set),
-            },
-        };
-        let mut scene = Cow::Borrowed(&*conditions.scene);
-        if variant.turn_deg != 0.0 {
-            scene.to_mut().north_deg += variant.turn_deg;
+    for (number, (conditions, blinds)) in models.iter().enumerate() {
+        if !variants.iter().any(|variant| variant.glazing == number) {
+            continue;
         }
-        let report = Report::new(Of {
-            year: &year,
-            sensors: &sensors,
-            file,
-            hours,
-            north_deg: scene.north_deg,
-            table: &table,
-            metrics: &metrics,
-            fineness: &fineness,
-            inputs: vec![quality],
-        });
-        let seconds = done(format!("hours {}", variant.tag).trim_end());
-        let map = |column: usize, scale: Option<&Scale>| {
-            let values: Vec<f64> = metrics.points.iter().map(|p| p.values()[column]).collect();
-            let scale = scale_of(ByPoint::NAMES[column], &values, scale);
-            let caption = Caption {
-                title: scale.title(),
-                lines: vec![format!("weather: {}", file.name)],
+        let year = tell::watched(None, |task| {
+            Year::new(conditions, receivers.clone(), &fineness, task)
+        })?;
+        done("coefficients");
+        let factors = year.factors(16)?;
+        if let Some(warning) = factor::no_daylight(factors.iter().copied()) {
+            tell::warnings(&[warning]);
+        }
+        done("daylight factors");
+        let mut operator = match blinds.is_empty() {
+            true => None,
+            false => Some(Operator::new(blinds, &year, rooms, &fineness)?),
+        };
+        for variant in variants.iter().filter(|variant| variant.glazing == number) {
+            let is_own = |(file, _): &&(&WeatherFile, Hours)| std::ptr::eq(*file, variant.file);
+            let Some((_, hours)) = hours_of.iter().find(is_own) else {
+                continue;
             };
-            map::draw(&scene, &sensors, &values, &scale, &caption)
-        };
-        let mut written = Vec::new();
-        for path in asked.files {
-            let own = variant.named(path);
-            match Kind::of(path, true)? {
-                Kind::Map => map(column, asked.scale).save(&own)?,
-                Kind::Csv => {
-                    write(&own, &report.sensors_csv())?;
-                    write(&figures_file(&own), &report.figures_csv(&[]))?;
-                    written.push(figures_file(&own));
-                }
-                Kind::Raster => {
-                    let of = |(at, name): (usize, &&str)| {
-                        let values = metrics.points.iter().map(|p| p.values()[at]);
-                        ((*name).to_owned(), values.collect())
-                    };
-                    let columns: Vec<_> = ByPoint::NAMES.iter().enumerate().map(of).collect();
-                    raster::write(&own, &sensors, &columns)?;
-                }
-                Kind::Json => output::report::write(&own, &report)?,
-                Kind::Page => {
-                    let maps = [2, 3, 6, 9].map(|column| Picture {
-                        title: ByPoint::NAMES[column].into(),
-                        svg: map(column, None).svg(),
-                    });
-                    write(&own, &page::html(&report, &maps))?;
-                }
+            let hours = &hours.turned(variant.turn_deg);
+            let file = variant.file;
+            let clock = |hour: &tyndall::daylight::hours::Hour| {
+                f64::from(hour.hour) - 0.5
+                    + hours.clock_shift_h()
+                    + f64::from(u8::from(file.is_summer(hour.date)))
+            };
+            let table = tell::watched(None, |task| year.table(hours, clock, task))?;
+            let mut metrics = Metrics::new(&table, &factors).with_views(&views);
+            if let Some(operator) = &mut operator {
+                let operated = tell::watched(None, |task| operator.operate(hours, &table, task))?;
+                metrics = metrics.with_blinds(&operated);
             }
-            written.push(own);
+            let mut inputs = Vec::new();
+            if let Some(glazing) = args.glazing.get(number) {
+                let said = glazing
+                    .panes
+                    .iter()
+                    .map(|(name, t)| format!("{name} = {t}"));
+                inputs.push(Line {
+                    name: "glazing".into(),
+                    value: said.collect::<Vec<_>>().join(", "),
+                });
+            }
+            let quality = Line {
+                name: "quality".into(),
+                value: match overrules.set.is_empty() {
+                    true => overrules.quality.name().into(),
+                    false => format!("{}, {:?}", overrules.quality.name(), overrules.set),
+                },
+            };
+            inputs.push(quality);
+            let mut scene = Cow::Borrowed(&*conditions.scene);
+            if variant.turn_deg != 0.0 {
+                scene.to_mut().north_deg += variant.turn_deg;
+            }
+            let report = Report::new(Of {
+                year: &year,
+                sensors: &sensors,
+                file,
+                hours,
+                north_deg: scene.north_deg,
+                table: &table,
+                metrics: &metrics,
+                fineness: &fineness,
+                inputs,
+            });
+            let seconds = done(format!("hours {}", variant.tag).trim_end());
+            let made = Made {
+                variant,
+                scene: &scene,
+                sensors: &sensors,
+                table: &table,
+                metrics: &metrics,
+                report: &report,
+            };
+            let written = made.write(args, asked, column)?;
+            done(format!("files {}", variant.tag).trim_end());
+            if !written.is_empty() {
+                tell::files(&written);
+            }
+            all.push(Done {
+                tag: variant.tag.clone(),
+                weather: file.name.clone(),
+                north_deg: scene.north_deg,
+                seconds,
+                report,
+            });
         }
-        if let Some(path) = &args.hours {
-            let own = variant.named(path);
-            atomic::write(&own, |to| hours_csv(file, &table, BufWriter::new(to)))?;
-            written.push(own);
-        }
-        done(format!("files {}", variant.tag).trim_end());
-        if !written.is_empty() {
-            tell::files(&written);
-        }
-        all.push(Done {
-            tag: variant.tag.clone(),
-            weather: file.name.clone(),
-            north_deg: scene.north_deg,
-            seconds,
-            report,
-        });
     }
     match (all.as_slice(), As::table_or(asked.form)) {
-        ([one], As::Csv) => stdout::print(one.report.figures_csv(&[]))?,
-        ([one], As::Json) => stdout::print_json(&one.report)?,
-        ([one], As::Table) => stdout::print(figures(&one.report))?,
+        ([one], As::Csv) if one.tag.is_empty() => stdout::print(one.report.figures_csv(&[]))?,
+        ([one], As::Json) if one.tag.is_empty() => stdout::print_json(&one.report)?,
+        ([one], As::Table) if one.tag.is_empty() => stdout::print(figures(&one.report))?,
         (all, As::Csv) => stdout::print(daylight_variants::csv(all))?,
         (all, As::Json) => stdout::print_json(&daylight_variants::json(all))?,
         (all, As::Table) => stdout::print(daylight_variants::table(all))?,
     }
     tell::stages(&stages);
     Ok(())
+}
+
+/// A variant that is to be written.
+struct Made<'a> {
+    variant: &'a Variant<'a>,
+    scene: &'a Scene,
+    sensors: &'a Sensors,
+    table: &'a Table,
+    metrics: &'a Metrics,
+    report: &'a Report,
+}
+
+impl Made<'_> {
+    /// A map of a column.
+    fn map(&self, column: usize, scale: Option<&Scale>) -> Drawing {
+        let points = self.metrics.points.iter();
+        let values: Vec<f64> = points.map(|p| p.values()[column]).collect();
+        let scale = scale_of(ByPoint::NAMES[column], &values, scale);
+        let caption = Caption {
+            title: scale.title(),
+            lines: vec![format!("weather: {}", self.variant.file.name)],
+        };
+        map::draw(self.scene, self.sensors, &values, &scale, &caption)
+    }
+
+    /// The maps of a page; where there are blinds autonomy is with them.
+    fn maps(&self) -> Vec<Picture> {
+        let autonomy = match self.metrics.blinds.is_empty() {
+            true => "da300_pct",
+            false => "da300_blinds_pct",
+        };
+        let shown = [autonomy, "sun1000_h", "udi_300_3000_pct", "factor_pct"];
+        let names = ByPoint::NAMES.iter().enumerate();
+        let columns = shown.iter().flat_map(|shown| {
+            let own = names.clone().find(|(_, name)| *name == shown);
+            own.map(|(column, _)| column)
+        });
+        let picture = |column: usize| Picture {
+            title: ByPoint::NAMES[column].into(),
+            svg: self.map(column, None).svg(),
+        };
+        columns.map(picture).collect()
+    }
+
+    /// Writes the files that are asked for, maps of a column; which they are.
+    fn write(&self, args: &YearArgs, asked: &Asked, column: usize) -> Result<Vec<PathBuf>> {
+        let mut written = Vec::new();
+        for path in asked.files {
+            let own = self.variant.named(path);
+            match Kind::of(path, true)? {
+                Kind::Map => {
+                    let name = ByPoint::NAMES[column];
+                    if (self.metrics.points.iter()).all(|p| p.values()[column].is_nan()) {
+                        return Err(Error::input(
+                            format!("--show {name}"),
+                            "it was not assessed: the figures say why",
+                            "show another column",
+                        ));
+                    }
+                    self.map(column, asked.scale).save(&own)?;
+                }
+                Kind::Csv => {
+                    write(&own, &self.report.sensors_csv())?;
+                    write(&figures_file(&own), &self.report.figures_csv(&[]))?;
+                    written.push(figures_file(&own));
+                }
+                Kind::Raster => {
+                    let of = |(at, name): (usize, &&str)| {
+                        let values = self.metrics.points.iter().map(|p| p.values()[at]);
+                        ((*name).to_owned(), values.collect())
+                    };
+                    let columns: Vec<_> = ByPoint::NAMES.iter().enumerate().map(of).collect();
+                    raster::write(&own, self.sensors, &columns)?;
+                }
+                Kind::Json => output::report::write(&own, self.report)?,
+                Kind::Page => write(&own, &page::html(self.report, &self.maps()))?,
+            }
+            written.push(own);
+        }
+        if let Some(path) = &args.hours {
+            let own = self.variant.named(path);
+            let file = self.variant.file;
+            atomic::write(&own, |to| hours_csv(file, self.table, BufWriter::new(to)))?;
+            written.push(own);
+        }
+        Ok(written)
+    }
 }
 
 /// The scale of a column.
