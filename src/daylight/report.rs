@@ -217,12 +217,7 @@ impl Report {
         };
         let mut warnings: Vec<String> = hours.warnings.iter().map(ToString::to_string).collect();
         warnings.extend(conditions.warnings.iter().map(ToString::to_string));
-        for left in &sensors.left_out {
-            warnings.push(format!(
-                "{}: {} sensors left out: they {}",
-                left.plane, left.count, left.why
-            ));
-        }
+        warnings.extend(sensors.left_out.iter().map(ToString::to_string));
         let spacing = sensors
             .planes
             .iter()
