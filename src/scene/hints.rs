@@ -76,7 +76,7 @@ pub fn of_points(geometry: &Geometry, points: &[DVec3]) -> Option<Warning> {
         let near = far.iter().filter(|p| !beyond(0.1, *scale * **p));
         2 * near.count() > far.len()
     };
-    let scale = [0.001, 0.01].into_iter().find(fits)?;
+    let scale = [0.01, 0.001].into_iter().find(fits)?;
     (2 * far.len() > points.len()).then_some(Warning::FarPoints {
         count: [far.len(), points.len()],
         scale,
