@@ -81,6 +81,13 @@ pub enum Warning {
         /// Shares of its area that face along X, Y and Z.
         facing: [f64; 3],
     },
+    /// Points that lie far from a scene, as if their unit were not the metre.
+    FarPoints {
+        /// How many of them, and how many there are.
+        count: [usize; 2],
+        /// Metres in their unit, most likely.
+        scale: f64,
+    },
     /// A file of materials that cannot be read; its materials are left out.
     MissingMaterials {
         /// The file that names it.
@@ -378,6 +385,7 @@ impl Warning {
                 Some("give --scale with the metres in a unit, or --scale 1 if it is right")
             }
             Warning::OnItsSide { .. } => Some("give --up z, or --up y if it is right"),
+            Warning::FarPoints { .. } => Some("give x, y and z in metres, in the scene's axes"),
             Warning::PreethamLuminance => Some("use perez or hosek where luminance matters"),
             Warning::OutsidePerezData { .. } => Some(
                 "check both irradiances: W/m2, the direct one on a plane that faces the sun, the diffuse one on the horizontal",
@@ -471,6 +479,14 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "{file}: the model is {x} wide, {y} high and {z} deep: {reason} (--scale {scale})?"
+                )
+            }
+            Warning::FarPoints { count, scale } => {
+                let [far, all] = count;
+                let unit = if *scale < 0.01 { "milli" } else { "centi" };
+                write!(
+                    f,
+                    "{far} of {all} points lie far outside the scene: are they in {unit}metres?"
                 )
             }
             Warning::OnItsSide {

@@ -1,9 +1,12 @@
-//! `--camera inside` stands on a floor with light in sight, in halls made here and in rooms by others.
+//! Where people can be: `--camera inside` stands on a floor with light in sight, and sensors of grids where daylight comes to, in halls made
+//! here and in rooms by others.
 
 mod common;
 
 use common::build::{cuboid, scene};
+use common::grids::{built, grid, level, solid};
 use common::night::lamp;
+use common::rooms::panel;
 use glam::{DVec3, dvec3};
 use tyndall::backend::{Backend, Limits, Wanted};
 use tyndall::colour::luminance;
@@ -75,6 +78,79 @@ fn a_sealed_void_is_no_place_unless_a_lamp_hangs_in_it() {
         panic!("nobody stands on a wall");
     };
     assert!(error.to_string().contains("--camera inside"), "{error}");
+}
+
+/// A room of sheets, 6 by 4 and 3 high, with a window to the south or without one, and behind a door a closet, 2 deep; voids below the
+/// floor, above the ceiling and behind a wall, all higher than a person.
+fn house(window: &[[f64; 4]]) -> Scene {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let mut room = level([0.0, -6.0], [6.0, 0.0], 0.0);
+    room.extend(level([0.0, -6.0], [6.0, 0.0], 3.0));
+    room.extend(panel(DVec3::ZERO, x, y, [6.0, 3.0], window));
+    room.extend(panel(-4.0 * z, x, y, [6.0, 3.0], &[[1.0, 1.9, 0.0, 2.0]]));
+    room.extend(panel(-6.0 * z, x, y, [6.0, 3.0], &[]));
+    room.extend(panel(DVec3::ZERO, -z, y, [6.0, 3.0], &[]));
+    room.extend(panel(6.0 * x, -z, y, [6.0, 3.0], &[]));
+    built(&[
+        ("Room", room),
+        (
+            "Cellar",
+            solid(dvec3(0.0, -2.3, -6.0), dvec3(6.0, -0.2, 0.0)),
+        ),
+        ("Attic", solid(dvec3(0.0, 3.2, -6.0), dvec3(6.0, 5.5, 0.0))),
+        ("Shaft", solid(dvec3(6.1, 0.0, -6.0), dvec3(7.2, 2.9, 0.0))),
+    ])
+}
+
+#[test]
+fn voids_that_no_daylight_comes_to_have_no_sensors() {
+    let window = [[2.0, 4.0, 0.9, 2.1]];
+    let sensors = grid(&house(&window), "plane=0.85,spacing=0.5");
+    let names: Vec<&str> = sensors.planes.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["Room"]);
+    // The closet too, which sees no window.
+    assert_eq!(sensors.points.len(), 12 * 12);
+    let mut left_out: Vec<String> = sensors.left_out.iter().map(ToString::to_string).collect();
+    left_out.sort();
+    eprintln!("{left_out:#?}");
+    let why = "left out: they are closed in where no daylight comes to";
+    assert_eq!(
+        left_out,
+        [
+            format!("Attic: 144 sensors (36 m2) {why}"),
+            format!("Cellar: 144 sensors (36 m2) {why}"),
+            format!("Shaft: 36 sensors (6.6 m2) {why}"),
+        ]
+    );
+    // Where no daylight comes to any, voids and rooms are alike; that is said.
+    let sensors = grid(&house(&[]), "plane=0.85,spacing=0.5");
+    assert_eq!(sensors.planes.len(), 4);
+    assert!(sensors.notes[0].contains("[[pane]]"), "{:?}", sensors.notes);
+}
+
+#[test]
+fn rooms_by_others_have_sensors_in_the_light() {
+    let Some(folder) = common::data("rooms_by_others_have_sensors_in_the_light") else {
+        return;
+    };
+    // Sensors, and the area of those that voids would have [m2].
+    for (name, count, voids) in [
+        ("living_room/living_room.glb", 238, 90.0),
+        ("room/room.glb", 384, 0.0),
+        ("volumetric_fog/VolumetricFogExample.glb", 300, 0.0),
+    ] {
+        let scene = load(&folder.join("scenes").join(name)).expect("the scene is sound");
+        let sensors = grid(&scene, "plane=0.85,spacing=0.5");
+        let is_void = |why: &str| why.contains("daylight");
+        let left_out = sensors.left_out.iter().filter(|l| is_void(l.why));
+        let area: f64 = left_out.filter_map(|left| left.area).sum();
+        eprintln!(
+            "{name}: {} sensors, {area} m2 in voids",
+            sensors.points.len()
+        );
+        assert_eq!(sensors.points.len(), count, "{name}");
+        assert!((area - voids).abs() < 1.0, "{name}: {area} m2");
+    }
 }
 
 #[test]

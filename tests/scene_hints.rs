@@ -4,10 +4,12 @@ mod common;
 
 use common::files::*;
 use common::gltf::*;
+use common::grids::{self, built, level};
+use common::rooms::panel;
 use glam::DVec3;
 use std::path::Path;
 use tyndall::Warning;
-use tyndall::scene::{self, Mesh, Placement, Scene, Up};
+use tyndall::scene::{self, Geometry, Mesh, Placement, Scene, Up, hints::of_points};
 
 /// A mesh as an OBJ file, with its vertices moved.
 fn obj(mesh: &Mesh, moved: impl Fn(DVec3) -> DVec3) -> String {
@@ -174,6 +176,70 @@ fn models_in_other_units_and_axes_get_a_hint() {
         let said = loaded(&mesh, &|p| z_up(p) + DVec3::new(5e5, 4e6, 120.0));
         assert!(said.len() == 1 && said[0].contains("--up z"), "{said:?}");
     }
+}
+
+/// A room of a few triangles, its corner at the origin, with a window to the south.
+fn room(names: [&str; 2]) -> Scene {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let window = [1.0, 3.0, 0.9, 2.1];
+    let mut walls = panel(DVec3::ZERO, x, y, [4.0, 3.0], &[window]);
+    walls.extend(panel(-6.0 * z, x, y, [4.0, 3.0], &[]));
+    walls.extend(panel(DVec3::ZERO, -z, y, [6.0, 3.0], &[]));
+    walls.extend(panel(4.0 * x, -z, y, [6.0, 3.0], &[]));
+    let mut floor = level([0.0, -6.0], [4.0, 0.0], 0.0);
+    floor.extend(level([0.0, -6.0], [4.0, 0.0], 3.0));
+    built(&[(names[0], walls), (names[1], floor)])
+}
+
+#[test]
+fn rooms_of_few_triangles_get_a_hint_too() {
+    let folder = Folder::new();
+    let right = room(["a", "b"]);
+    assert!(right.mesh.triangles.len() < 32);
+    assert_eq!(hints(&right), [""; 0]);
+    let turned = folder.load("turned.obj", obj(&right.mesh, z_up));
+    let said = hints(&turned.expect("it loads"));
+    assert!(said.len() == 1 && said[0].contains("--up z"), "{said:?}");
+    // Without a window the names alone tell.
+    let blank = |name: &str, moved: fn(DVec3) -> DVec3| {
+        let parts = [
+            (
+                "Walls",
+                panel(DVec3::ZERO, DVec3::X, DVec3::Y, [4.0, 3.0], &[]),
+            ),
+            (name, level([0.0, -6.0], [4.0, 0.0], 0.0)),
+        ];
+        let turned = parts.map(|(name, t)| (name, t.into_iter().map(|t| t.map(moved)).collect()));
+        hints(
+            &folder
+                .load("named.obj", grids::obj(&turned))
+                .expect("it loads"),
+        )
+    };
+    assert_eq!(blank("01_Floor", |p| p), [""; 0]);
+    assert_eq!(blank("01_Board", z_up), [""; 0]);
+    let said = blank("01_Floor", z_up);
+    assert!(said.len() == 1 && said[0].contains("--up z"), "{said:?}");
+}
+
+#[test]
+fn points_in_millimetres_get_a_hint() {
+    let geometry = Geometry::new(&room(["a", "b"]));
+    let points = [[1.2, 0.85, -3.0], [3.1, 0.85, -5.0], [2.0, 1.0, -1.0]].map(DVec3::from_array);
+    let said = |factor: f64, more: &[DVec3]| {
+        let points: Vec<DVec3> = points.iter().chain(more).map(|p| factor * *p).collect();
+        of_points(&geometry, &points).map(|w| w.to_string())
+    };
+    assert_eq!(said(1.0, &[]), None);
+    // Outdoors, and far from everything: points that lie nowhere in another unit either.
+    assert_eq!(said(1.0, &[DVec3::new(200.0, 0.0, 0.0)]), None);
+    assert_eq!(said(1e7, &[]), None);
+    let millimetres = said(1000.0, &[]).expect("they are far away");
+    assert_eq!(
+        millimetres,
+        "3 of 3 points lie far outside the scene: are they in millimetres?"
+    );
+    assert!(said(100.0, &[]).expect("they are").contains("centimetres"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! What a user asks for is a [`GridSpec`]; [`Sensors::new`] finds the planes that it means ([`super::floor`]), divides each into
 //! cells, and puts a sensor into the middle of each cell that lies in the plane's outline. Sensors that stand in walls and furniture are
-//! left out and counted ([`super::inside`]). The order is by plane, and in each plane row by row.
+//! left out and counted ([`super::inside`]), and so are those in voids that no daylight comes to. The order is by plane, and in each plane row by row.
 
 use super::floor;
 use super::inside::{self, Standing};
@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::scene::{Geometry, Scene};
 use serde::Serialize;
 use std::collections::{HashMap, HashSet};
+use std::fmt;
 
 pub use super::plane::{Plane, Sensor};
 pub use super::spec::{GridSpec, On};
@@ -26,8 +27,30 @@ pub struct LeftOut {
     pub plane: String,
     /// How many.
     pub count: usize,
+    /// The area that they would stand for [m2]; openings have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area: Option<f64>,
     /// Why: a phrase that follows "sensors".
     pub why: &'static str,
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {} sensors", self.plane, self.count)?;
+        if let Some(area) = self.area {
+            let decimals = usize::from(area < 10.0);
+            write!(f, " ({area:.decimals$} m2)")?;
+        }
+        write!(f, " left out: they {}", self.why)
+    }
+}
+
+/// A plane, and all of its sensors with how they stand.
+struct Looked {
+    /// By number among the grids.
+    grid: usize,
+    plane: Plane,
+    sensors: Vec<(Sensor, Standing)>,
 }
 
 /// The sensors of one or more grids.
@@ -51,8 +74,9 @@ impl Sensors {
     /// [`Error::Domain`] for more than four million of them.
     pub fn new(scene: &Scene, geometry: &Geometry, specs: &[GridSpec]) -> Result<Self> {
         let mut sensors = Sensors::default();
-        for spec in specs {
-            let before = sensors.points.len();
+        let mut all = Vec::new();
+        let mut count = 0;
+        for (grid, spec) in specs.iter().enumerate() {
             let planes = match &spec.on {
                 On::Openings(name) => sensors.openings(scene, geometry, name, spec)?,
                 _ => floor::planes(scene, geometry, spec)?,
@@ -60,11 +84,31 @@ impl Sensors {
             // The points of openings lie in walls.
             let may_be_inside = matches!(spec.on, On::Openings(_));
             for plane in planes {
-                sensors.add(scene, geometry, plane, may_be_inside)?;
+                let sensors = looked_at(scene, geometry, &plane, may_be_inside, &mut count)?;
+                all.push(Looked {
+                    grid,
+                    plane,
+                    sensors,
+                });
             }
-            if sensors.points.len() == before {
-                return Err(nothing_left(spec, &sensors.left_out));
-            }
+        }
+        // Where daylight comes to none, windows may be closed by opaque faces: voids cannot be told from rooms.
+        let mut standing = all.iter().flat_map(|looked| &looked.sensors);
+        let is_dark = !standing.any(|(_, standing)| *standing == Standing::Free);
+        let mut numbers = vec![0; specs.len()];
+        for looked in all {
+            let before = sensors.points.len();
+            let grid = looked.grid;
+            sensors.add(looked, is_dark);
+            numbers[grid] += sensors.points.len() - before;
+        }
+        if let Some(empty) = numbers.iter().position(|count| *count == 0) {
+            return Err(nothing_left(&specs[empty], &sensors.left_out));
+        }
+        if is_dark {
+            sensors.notes.push(
+                "no daylight comes to any of the sensors: make its windows glass by [[pane]] if their faces are opaque".into(),
+            );
         }
         sensors.number_names();
         Ok(sensors)
@@ -92,6 +136,7 @@ impl Sensors {
         let left_out = found.left_out.into_iter().map(|(count, why)| LeftOut {
             plane: format!("openings of {name}"),
             count,
+            area: None,
             why,
         });
         self.left_out.extend(left_out);
@@ -106,66 +151,37 @@ impl Sensors {
         Ok(found.planes)
     }
 
-    fn add(
-        &mut self,
-        scene: &Scene,
-        geometry: &Geometry,
-        plane: Plane,
-        may_be_inside: bool,
-    ) -> Result<()> {
-        let [columns, rows] = plane.cells;
-        let count = columns as usize * rows as usize;
-        let all = self.points.len().saturating_add(count);
-        if all > MOST {
-            return Err(Error::domain(
-                "the number of sensors of all planes",
-                all,
-                format!("at most {MOST}"),
-                "choose a wider spacing",
-            ));
-        }
-        let number = self.planes.len();
-        let normal = plane.normal();
-        let mut points = Vec::new();
-        for row in 0..rows {
-            for column in 0..columns {
-                let cell = plane.cell([column, row]);
-                let middle = 0.5 * (cell[0] + cell[2]);
-                if !plane.outline.contains(middle) {
-                    continue;
-                }
-                let area = plane.outline.in_box(cell[0], cell[2]).area();
-                points.push(Sensor {
-                    receiver: Receiver::new(plane.at(middle), normal)?,
-                    area,
-                    plane: number,
-                    cell: [column, row],
-                });
-            }
-        }
-        let standing = match may_be_inside {
-            true => vec![Standing::Free; points.len()],
-            false => inside::standing(scene, geometry, &plane, &points),
+    /// Adds a plane with those of its sensors that stand well; those that are closed in too where it `is_dark` everywhere.
+    fn add(&mut self, looked: Looked, is_dark: bool) {
+        let Looked { plane, sensors, .. } = looked;
+        let is_kept = |standing: Standing| {
+            standing == Standing::Free || is_dark && standing == Standing::ClosedIn
         };
-        for why in [Standing::InSolid, Standing::Outside] {
-            let count = standing.iter().filter(|s| **s == why).count();
-            if count > 0 {
+        for why in [Standing::InSolid, Standing::Outside, Standing::ClosedIn] {
+            let out = sensors.iter().filter(|(_, s)| *s == why && !is_kept(*s));
+            let areas: Vec<f64> = out.map(|(sensor, _)| sensor.area).collect();
+            if !areas.is_empty() {
                 self.left_out.push(LeftOut {
                     plane: plane.name.clone(),
-                    count,
+                    count: areas.len(),
+                    area: Some(areas.iter().sum()),
                     why: why.phrase(),
                 });
             }
         }
-        let kept = points.into_iter().zip(standing);
-        let kept = kept.filter(|(_, standing)| *standing == Standing::Free);
+        let number = self.planes.len();
         let before = self.points.len();
-        self.points.extend(kept.map(|(sensor, _)| sensor));
+        let kept = sensors
+            .into_iter()
+            .filter(|(_, standing)| is_kept(*standing));
+        self.points.extend(kept.map(|(sensor, _)| Sensor {
+            plane: number,
+            ..sensor
+        }));
         // A plane without sensors shows nothing.
         if self.points.len() > before {
             self.planes.push(plane);
         }
-        Ok(())
     }
 
     /// Planes of one name get numbers, none of which is another's name.
@@ -187,6 +203,50 @@ impl Sensors {
             };
         }
     }
+}
+
+/// The sensors of a plane, and how they stand; adds their number to that of all.
+fn looked_at(
+    scene: &Scene,
+    geometry: &Geometry,
+    plane: &Plane,
+    may_be_inside: bool,
+    all: &mut usize,
+) -> Result<Vec<(Sensor, Standing)>> {
+    let [columns, rows] = plane.cells;
+    let count = columns as usize * rows as usize;
+    if all.saturating_add(count) > MOST {
+        return Err(Error::domain(
+            "the number of sensors of all planes",
+            all.saturating_add(count),
+            format!("at most {MOST}"),
+            "choose a wider spacing",
+        ));
+    }
+    let normal = plane.normal();
+    let mut points = Vec::new();
+    for row in 0..rows {
+        for column in 0..columns {
+            let cell = plane.cell([column, row]);
+            let middle = 0.5 * (cell[0] + cell[2]);
+            if !plane.outline.contains(middle) {
+                continue;
+            }
+            let area = plane.outline.in_box(cell[0], cell[2]).area();
+            points.push(Sensor {
+                receiver: Receiver::new(plane.at(middle), normal)?,
+                area,
+                plane: 0,
+                cell: [column, row],
+            });
+        }
+    }
+    *all += points.len();
+    let standing = match may_be_inside {
+        true => vec![Standing::Free; points.len()],
+        false => inside::standing(scene, geometry, plane, &points),
+    };
+    Ok(points.into_iter().zip(standing).collect())
 }
 
 /// The error where a grid has no sensor.

@@ -10,13 +10,17 @@
 //!
 //! A group is **outside** if most of its sensors have open sky above and something between them and the floor, while most of the floor
 //! is covered: they stand on what covers it.
+//!
+//! Groups of what is left are **closed in** if no daylight comes to them ([`super::reached`]): a crawl space, a void in a wall or above a
+//! ceiling. Where that holds for all sensors of all grids, none is left out for it.
 
 use super::floor::Above;
 use super::plane::{Plane, Sensor};
+use super::reached::is_reached;
 use crate::scene::{Geometry, Ray, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
 
 /// Where a sensor stands.
@@ -28,6 +32,8 @@ pub enum Standing {
     InSolid,
     /// Outside, on what covers the floor.
     Outside,
+    /// Where no daylight comes to.
+    ClosedIn,
 }
 
 impl Standing {
@@ -37,6 +43,7 @@ impl Standing {
             Standing::Free => "stand in the air",
             Standing::InSolid => "stand in walls or furniture",
             Standing::Outside => "stand outside, on top of what covers the floor",
+            Standing::ClosedIn => "are closed in where no daylight comes to",
         }
     }
 }
@@ -94,7 +101,22 @@ pub fn standing(
             () => Standing::Free,
         }
     });
-    standing.collect()
+    let mut standing: Vec<Standing> = standing.collect();
+    let mut free: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, group) in groups.iter().enumerate() {
+        if standing[i] == Standing::Free {
+            free.entry(*group).or_default().push(i);
+        }
+    }
+    for together in free.values() {
+        let own: Vec<&Sensor> = together.iter().map(|i| &sensors[*i]).collect();
+        if !is_reached(scene, geometry, &own) {
+            for i in together {
+                standing[*i] = Standing::ClosedIn;
+            }
+        }
+    }
+    standing
 }
 
 /// What a sensor sees around it.

@@ -1,7 +1,7 @@
 //! Daylight for architects: sensors on grids, daylight factors, hours of sun, a year of weather and its metrics.
 //!
 //! - [`grid`]: sensors on floors, rooms and surfaces, from what a user asks for
-//! - [`floor`], `opening`, [`inside`], [`outline`], [`section`]: where floors and openings are, what stands in walls, areas, where a plane cuts the model
+//! - [`floor`], `opening`, [`inside`], `reached`, [`outline`], [`section`]: where floors and openings are, what stands in walls, where daylight comes to, areas, where a plane cuts the model
 //! - [`assumed`]: reflectances where the mesh has none
 //! - [`factor`]: daylight factors, and what is said of the values of a grid
 //! - [`map`]: a grid's values as a drawing
@@ -33,6 +33,7 @@ pub mod outline;
 pub mod page;
 mod plane;
 pub mod raster;
+mod reached;
 pub mod report;
 pub mod section;
 mod spec;

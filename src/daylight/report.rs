@@ -233,12 +233,7 @@ impl Report {
         warnings.extend(conditions.warnings.iter().map(ToString::to_string));
         let dark = no_daylight(metrics.points.iter().map(|point| point.factor_pct));
         warnings.extend(dark.map(|warning| warning.to_string()));
-        for left in &sensors.left_out {
-            warnings.push(format!(
-                "{}: {} sensors left out: they {}",
-                left.plane, left.count, left.why
-            ));
-        }
+        warnings.extend(sensors.left_out.iter().map(ToString::to_string));
         let spacing = sensors
             .planes
             .iter()

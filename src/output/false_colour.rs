@@ -17,6 +17,9 @@ const SMOOTHED: f64 = 1.0 / 180.0;
 /// Lines shorter than this share of the picture's height are specks.
 const SHORTEST: f64 = 0.08;
 
+/// The legend is at least so high, in sizes of its letters: of a picture that is lower the rest stays white.
+const LEGEND: f64 = 13.0;
+
 /// The luminance of each pixel [cd/m2] as a colour of the scale, with its isolines and its legend. Width, height, and three bytes a pixel
 /// of sRGB.
 pub fn picture(frame: &Frame, scale: &Scale) -> Canvas {
@@ -28,15 +31,18 @@ pub fn picture(frame: &Frame, scale: &Scale) -> Canvas {
     let size = (0.028 * height as f64).clamp(9.0, 32.0);
     let levels = scale.levels();
     let legend = Legend::new(scale, size);
-    let mut canvas = Canvas::new(width + legend.width(), height);
-    let mut bytes = vec![255; 3 * canvas.width() * height];
-    let wide = 3 * canvas.width();
-    for (row, line) in bytes.chunks_exact_mut(wide).enumerate() {
+    let [whole_width, whole_height] = [
+        width + legend.width(),
+        height.max((LEGEND * size).ceil() as usize),
+    ];
+    let mut bytes = vec![255; 3 * whole_width * whole_height];
+    let lines = bytes.chunks_exact_mut(3 * whole_width);
+    for (row, line) in lines.take(height).enumerate() {
         for (pixel, out) in line[..3 * width].chunks_exact_mut(3).enumerate() {
             out.copy_from_slice(&scale.color(values[row * width + pixel]));
         }
     }
-    canvas = Canvas::over(canvas.width(), height, &bytes);
+    let mut canvas = Canvas::over(whole_width, whole_height, &bytes);
     let step = (SMOOTHED * height as f64).round().max(1.0) as usize;
     let (columns, means) = means(&values, width, step);
     let field = Field {
@@ -159,6 +165,7 @@ impl<'a> Legend<'a> {
         if self.scale.is_log() {
             write(canvas, 3.6 * size, "by ratios", bar[0]);
         }
+        let mut free = f64::INFINITY;
         for level in levels {
             let y = at(self.scale.place(*level));
             canvas.stroke(
@@ -166,7 +173,45 @@ impl<'a> Legend<'a> {
                 0.1 * size,
                 INK,
             );
-            write(canvas, y, &short(*level), bar[1] + 0.7 * size);
+            // From the lowest up, as far as numbers have room above each other.
+            if y <= free {
+                write(canvas, y, &short(*level), bar[1] + 0.7 * size);
+                free = y - 1.1 * size;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn numbers_of_a_small_legend_stand_apart() {
+        let scale = Scale::parse("luminance", "cd/m2", "0..2000").expect("a range");
+        for height in [4, 30, 60, 300] {
+            let frame = Frame::map(20, height, vec![Vec3::splat(300.0); 20 * height as usize]);
+            let canvas = picture(&frame, &scale);
+            let size = (0.028 * f64::from(height)).clamp(9.0, 32.0);
+            // Rows with ink to the right of the bar and its ticks, below the title.
+            let from = 20 + (3.3 * size) as usize;
+            let bytes = canvas.bytes();
+            let is_inked = |row: usize| {
+                let row = &bytes[3 * row * canvas.width()..3 * (row + 1) * canvas.width()];
+                row[3 * from..].iter().any(|code| *code < 128)
+            };
+            let rows = (3.2 * size) as usize..canvas.height();
+            let inked: Vec<bool> = rows.map(is_inked).collect();
+            let runs: Vec<usize> = (inked.chunk_by(|a, b| a == b))
+                .filter(|run| run[0])
+                .map(<[bool]>::len)
+                .collect();
+            assert!(runs.len() >= 4, "{height}: {runs:?}");
+            assert!(
+                runs.iter().all(|run| *run as f64 <= size),
+                "{height}: {runs:?}"
+            );
         }
     }
 }

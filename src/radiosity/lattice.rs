@@ -4,12 +4,16 @@
 //! its corners say is quartered. Points are fixed on the surface, whoever looks, so that nothing moves with the camera; they are looked
 //! at when a picture needs them, and what they have seen serves other moments too. Small and bent triangles have their corners'
 //! light.
+//!
+//! What lies right under something else ([`super::cover`]: a floor under its carpet, one sheet of a terrain where it dips below the other) is
+//! dark, and says nothing of the open surface beside it: open places are interpolated between open points alone, covered ones between
+//! covered ones. An open place among points that are all covered is looked at itself.
 
 use super::arrival::{Arrival, Row, Source, merge};
 use super::cells::{Face, Part};
 use super::light::Light;
 use super::planes::Home;
-use super::points::{Factors, Point};
+use super::points::{Factors, Point, Sight};
 use super::shards::Shards;
 use super::transport::Transport;
 use crate::colour::luminance;
@@ -26,10 +30,18 @@ pub struct Lattice {
     /// By patch.
     parts: Vec<OnceLock<Box<Node>>>,
     /// By triangle and side.
-    bent: Shards<(u32, bool), [Received; 3]>,
+    bent: Shards<(u32, bool), [Known; 3]>,
     open_ground: Received,
     tolerance: f64,
     depth: u32,
+}
+
+/// What is known of a point.
+#[derive(Clone, Copy)]
+struct Known {
+    received: Received,
+    /// Whether something lies right upon it.
+    is_covered: bool,
 }
 
 /// A rectangle of a part.
@@ -37,7 +49,7 @@ struct Node {
     low: DVec2,
     high: DVec2,
     depth: u32,
-    corners: [Received; 4],
+    corners: [Known; 4],
     /// Those that were asked for, if it is divided.
     quarters: OnceLock<Option<Box<[OnceLock<Node>; 4]>>>,
 }
@@ -47,6 +59,9 @@ const MOST_BYTES: u64 = 1 << 30;
 
 /// How far from borders points stay, over the size of a cell.
 const INSET: f64 = 2e-3;
+
+/// How far around a point of a plane is looked for what may cover it, over the size of a cell.
+const REACH: f64 = 2.0;
 
 impl Lattice {
     /// One on which nothing is known yet; rectangles whose middle is off by less than `tolerance` of its light are not divided, none
@@ -88,8 +103,14 @@ impl Lattice {
         let corners = place.get_or_init(|| {
             [0, 1, 2].map(|corner| transport.at_corner(light, triangle, corner, front))
         });
-        let mix = |k: usize| corners[0][k] * (1.0 - v - w) + corners[1][k] * v + corners[2][k] * w;
-        [mix(0), mix(1)].map(|received| received.max(DVec3::ZERO))
+        let reach = transport.reach(triangle);
+        let is_covered = || transport.is_covered(position, facet, reach);
+        let gathered = || {
+            let normal = transport.normal(triangle, [v, w], facet);
+            light.given_by(&transport.factors(position, normal, facet))
+        };
+        between(corners, [1.0 - v - w, v, w], is_covered, gathered)
+            .map(|received| received.max(DVec3::ZERO))
     }
 
     /// What the ground receives at a point.
@@ -116,7 +137,7 @@ impl Lattice {
             face,
             of,
             part,
-            inset: INSET * cell.side,
+            side: cell.side,
         };
         let root = &self.parts[part.patch as usize];
         let mut node = &**root.get_or_init(|| Box::new(look.node(part.low, part.high, 0)));
@@ -126,7 +147,14 @@ impl Lattice {
                     .then(Box::default)
             });
             let Some(quarters) = quarters else {
-                return Some(node.at(at));
+                let point = of.plane.point(at);
+                let is_covered = || look.is_covered(point);
+                let gathered = || {
+                    let normal = of.plane.normal;
+                    light.given_by(&transport.factors(point, normal, normal))
+                };
+                let weights = node.weights(at);
+                return Some(between(&node.corners, weights, is_covered, gathered));
             };
             let middle = 0.5 * (node.low + node.high);
             let upper = [at.x >= middle.x, at.y >= middle.y];
@@ -136,15 +164,48 @@ impl Lattice {
     }
 }
 
+/// What a place receives between points: interpolated between those that are covered as it is. An open place among covered points is
+/// `gathered`; a covered one among open points is darker than they say, but hardly seen.
+fn between<const N: usize>(
+    points: &[Known; N],
+    weights: [f64; N],
+    is_covered: impl FnOnce() -> bool,
+    gathered: impl FnOnce() -> Received,
+) -> Received {
+    let covered = points.iter().filter(|point| point.is_covered).count();
+    let own = covered > 0 && is_covered();
+    if covered == N && !own {
+        return gathered();
+    }
+    let is_mixed = covered > 0 && covered < N;
+    let counted = |(point, weight): (&Known, f64)| match is_mixed {
+        false => weight,
+        // One corner may speak for all of it, up to where it has no weight.
+        true if point.is_covered == own => weight.max(1e-6),
+        true => 0.0,
+    };
+    let weights = points.iter().zip(weights).map(counted);
+    let mut sum = [DVec3::ZERO; 2];
+    let mut whole = 0.0;
+    for (point, weight) in points.iter().zip(weights) {
+        whole += weight;
+        for (sum, received) in sum.iter_mut().zip(point.received) {
+            *sum += weight * received;
+        }
+    }
+    match is_mixed {
+        true => sum.map(|sum| sum / whole),
+        false => sum,
+    }
+}
+
 impl Node {
-    fn at(&self, at: DVec2) -> Received {
+    /// The weights of the corners at a place.
+    fn weights(&self, at: DVec2) -> [f64; 4] {
         let size = (self.high - self.low).max(DVec2::splat(f64::MIN_POSITIVE));
         let f = ((at - self.low) / size).clamp(DVec2::ZERO, DVec2::ONE);
-        let [a, b, c, d] = &self.corners;
-        [0, 1].map(|k| {
-            (a[k] * (1.0 - f.x) + b[k] * f.x) * (1.0 - f.y)
-                + (c[k] * (1.0 - f.x) + d[k] * f.x) * f.y
-        })
+        let g = DVec2::ONE - f;
+        [g.x * g.y, f.x * g.y, g.x * f.y, f.x * f.y]
     }
 }
 
@@ -155,7 +216,8 @@ struct Look<'a> {
     face: u32,
     of: &'a Face,
     part: &'a Part,
-    inset: f64,
+    /// Of the cell [m].
+    side: f64,
 }
 
 impl Look<'_> {
@@ -170,7 +232,7 @@ impl Look<'_> {
             low,
             high,
             depth,
-            corners: corners.map(|at| self.received(at)),
+            corners: corners.map(|at| self.known(at)),
             quarters: OnceLock::new(),
         }
     }
@@ -184,8 +246,14 @@ impl Look<'_> {
         if !self.of.covers(middle) {
             return false;
         }
-        let whole = |received: &Received| luminance(received[0] + received[1]);
-        let found = whole(&self.received(middle));
+        let found = self.known(middle);
+        let differs = |corner: &Known| corner.is_covered != found.is_covered;
+        // What covers a part of it ends somewhere in it.
+        if node.corners.iter().any(differs) {
+            return true;
+        }
+        let whole = |known: &Known| luminance(known.received[0] + known.received[1]);
+        let found = whole(&found);
         let corners = node.corners.each_ref().map(whole);
         let mean = 0.25 * corners.iter().sum::<f64>();
         let most = corners.iter().copied().fold(found, f64::max);
@@ -210,7 +278,7 @@ impl Look<'_> {
     }
 
     /// What the surface receives at a point, or as near to it as it goes on.
-    fn received(&self, at: DVec2) -> Received {
+    fn known(&self, at: DVec2) -> Known {
         let at = self.within(at);
         let unit = 1e6 / self.of.side();
         let key = Point::Face(
@@ -218,16 +286,25 @@ impl Look<'_> {
             (at.x * unit).round() as i64,
             (at.y * unit).round() as i64,
         );
-        let normal = self.of.plane.normal;
-        let row = || self.transport.row(self.of.plane.point(at), normal, normal);
+        let (point, normal) = (self.of.plane.point(at), self.of.plane.normal);
+        let sight = || Sight {
+            factors: self.transport.factors(point, normal, normal),
+            is_covered: self.is_covered(point),
+        };
+        self.transport.known(self.light, key, sight)
+    }
+
+    fn is_covered(&self, point: DVec3) -> bool {
+        let reach = REACH * self.side;
         self.transport
-            .seen_from(key, row, |row| self.light.given_by(row))
+            .is_covered(point, self.of.plane.normal, reach)
     }
 
     /// A point itself where the surface goes on around it, else one a little inside the part.
     fn within(&self, at: DVec2) -> DVec2 {
         let steps = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-        let around = steps.map(|(x, y)| at + self.inset * DVec2::new(x, y));
+        let inset = INSET * self.side;
+        let around = steps.map(|(x, y)| at + inset * DVec2::new(x, y));
         let is_own = around.map(|p| self.of.covers(p) && self.of.patch(p) == Some(self.part.patch));
         let on = around
             .iter()
@@ -245,7 +322,7 @@ impl Look<'_> {
             let near = nearest_on(polygon, at);
             let middle = polygon.iter().copied().sum::<DVec2>() / polygon.len() as f64;
             let way = middle - near;
-            let step = self.inset.min(0.5 * way.length());
+            let step = inset.min(0.5 * way.length());
             (
                 near.distance_squared(at),
                 near + step * way.normalize_or_zero(),
@@ -278,7 +355,7 @@ fn nearest_on(polygon: &[DVec2], at: DVec2) -> DVec2 {
 
 impl Transport {
     /// What a surface sees from a point, by source.
-    fn row(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Factors {
+    fn factors(&self, point: DVec3, normal: DVec3, facet: DVec3) -> Factors {
         let arrivals = self.before(point, normal, facet);
         let entry = |a: Arrival| (a.source, a.share, a.share * a.through);
         let mut row: Row = arrivals.into_iter().map(entry).collect();
@@ -290,7 +367,7 @@ impl Transport {
 
     /// What a triangle receives at a corner: looked at from a little inside, of a vertex with a normal from the first triangle that
     /// has it.
-    fn at_corner(&self, light: &Light, triangle: u32, corner: usize, front: bool) -> Received {
+    fn at_corner(&self, light: &Light, triangle: u32, corner: usize, front: bool) -> Known {
         let mesh = &self.conditions.scene.mesh;
         let outward = |triangle: u32| {
             let [a, b, c] = self.conditions.scene.mesh.corners(triangle);
@@ -305,46 +382,64 @@ impl Transport {
             (triangle, corner) = self.patches.first_alike[vertex as usize];
             front = (outward(triangle).dot(own) >= 0.0) == agrees;
         }
-        let row = || {
+        let sight = || {
             let places = self.conditions.scene.mesh.corners(triangle);
             let facet = if front {
                 outward(triangle)
             } else {
                 -outward(triangle)
             };
-            let normal = match own.try_normalize() {
-                Some(n) if n.dot(facet) < 0.0 => -n,
-                Some(n) => n,
-                None => facet,
-            };
             let middle = places.iter().sum::<DVec3>() / 3.0;
-            self.row(
-                places[usize::from(corner)].lerp(middle, INSET),
-                normal,
-                facet,
-            )
+            let point = places[usize::from(corner)].lerp(middle, INSET);
+            let normal = toward(facet, own);
+            Sight {
+                factors: self.factors(point, normal, facet),
+                is_covered: self.is_covered(point, facet, self.reach(triangle)),
+            }
         };
-        let key = Point::Corner(triangle, corner, front);
-        self.seen_from(key, row, |row| light.given_by(row))
+        self.known(light, Point::Corner(triangle, corner, front), sight)
     }
 
-    /// What is made of what a point sees, which is kept for other moments as long as there is room for it.
-    fn seen_from<T>(
-        &self,
-        key: Point,
-        row: impl Fn() -> Factors,
-        made: impl Fn(&Factors) -> T,
-    ) -> T {
+    /// The normal of a triangle at a place on the side of `facet`, by the weights of its second and third vertex.
+    fn normal(&self, triangle: u32, [v, w]: [f64; 2], facet: DVec3) -> DVec3 {
+        let mesh = &self.conditions.scene.mesh;
+        let [a, b, c] = mesh.triangles[triangle as usize]
+            .vertices
+            .map(|vertex| mesh.normals[vertex as usize]);
+        toward(facet, (1.0 - v - w) * a + v * b + w * c)
+    }
+
+    /// How far around a place of a triangle is looked for what may cover it [m]: as far as the triangle goes.
+    fn reach(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.conditions.scene.mesh.corners(triangle);
+        a.distance(b).max(b.distance(c)).max(c.distance(a))
+    }
+
+    /// What is known of a point under a light. What it sees is kept for other moments as long as there is room for it.
+    fn known(&self, light: &Light, key: Point, sight: impl Fn() -> Sight) -> Known {
+        let known = |sight: &Sight| Known {
+            received: light.given_by(&sight.factors),
+            is_covered: sight.is_covered,
+        };
         if self.seen_bytes.load(Ordering::Relaxed) > MOST_BYTES {
-            return made(&row());
+            return known(&sight());
         }
         let seen = self.seen.place(key);
-        made(seen.get_or_init(|| {
-            let row = row();
-            let bytes = size_of::<(Source, Vec3)>() * row.len() + 128;
+        known(seen.get_or_init(|| {
+            let sight = sight();
+            let bytes = size_of::<(Source, Vec3)>() * sight.factors.len() + 128;
             self.seen_bytes.fetch_add(bytes as u64, Ordering::Relaxed);
-            row
+            sight
         }))
+    }
+}
+
+/// A normal on the side of a facet; the facet's own where there is none.
+fn toward(facet: DVec3, normal: DVec3) -> DVec3 {
+    match normal.try_normalize() {
+        Some(n) if n.dot(facet) < 0.0 => -n,
+        Some(n) => n,
+        None => facet,
     }
 }
 

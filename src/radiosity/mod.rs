@@ -10,6 +10,7 @@ mod arrival;
 mod build;
 mod cells;
 mod coefficients;
+mod cover;
 mod direct;
 mod dome;
 mod exchange;

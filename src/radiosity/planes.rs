@@ -128,7 +128,7 @@ impl Surfaces {
         // What differs by less than this is one plane [m].
         let thick = 1e-7 * geometry.extent() + 1e-12 * middle.length();
         let mut planes: Vec<Plane> = Vec::new();
-        let mut by_place: HashMap<[i64; 4], u32> = HashMap::new();
+        let mut by_place = ByPlace::default();
         let mut sorted = kept.clone();
         sorted.sort_unstable();
         let mut of_triangle = Vec::with_capacity(sorted.len());
@@ -138,18 +138,18 @@ impl Surfaces {
                 continue;
             };
             // One of the two normals of a plane.
-            let first = facet.to_array().into_iter().find(|x| x.abs() > 1e-6);
+            let first = facet.to_array().into_iter().find(|x| x.abs() > 1e-4);
             let front = first.is_none_or(|x| x > 0.0);
             let normal = if front { facet } else { -facet };
-            let round = |x: f64, step: f64| (x / step).round() as i64;
-            let key = [
-                round(normal.x, 1e-5),
-                round(normal.y, 1e-5),
-                round(normal.z, 1e-5),
-                round((a - middle).dot(normal), thick),
-            ];
-            let plane = *by_place.entry(key).or_insert_with(|| {
+            let places = Places::around(normal, (a - middle).dot(normal), geometry.extent());
+            let fits = |plane: &u32| {
+                let first = planes[*plane as usize].triangles[0];
+                let first = conditions.scene.mesh.corners(first);
+                is_flat_with(&planes[*plane as usize], first, [a, b, c], thick)
+            };
+            let plane = by_place.first(&places, fits).unwrap_or_else(|| {
                 planes.push(Plane::new(a, normal));
+                by_place.add(&places, planes.len() as u32 - 1);
                 planes.len() as u32 - 1
             });
             let place = &mut planes[plane as usize];
@@ -239,6 +239,86 @@ impl Surfaces {
                 _ => at = bound.skip as usize,
             }
         }
+    }
+}
+
+/// Whether a triangle lies in the plane of another, the first one in it, but for the rounding of positions, which turns that one by so much over
+/// its least height. `thick` [m].
+fn is_flat_with(plane: &Plane, first: [DVec3; 3], corners: [DVec3; 3], thick: f64) -> bool {
+    let [a, b, c] = first;
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let least = (b - a).cross(c - a).length() / longest;
+    corners.iter().all(|p| {
+        let away = (p.distance(plane.origin) / least).min(FARTHEST);
+        plane.height(*p).abs() <= thick * (1.0 + away)
+    })
+}
+
+/// A needle's plane is not held to be known farther away than so many of its least heights.
+const FARTHEST: f64 = 64.0;
+
+/// Steps in which the components of normals, and distances over the scene's extent, tell planes apart at first [1].
+const STEPS: [f64; 4] = [1e-5, 1e-5, 1e-5, 4e-6];
+
+/// Where planes like one are found: the steps of normal and distance, and those beside them that it is nearly in.
+struct Places {
+    own: [i64; 4],
+    beside: [i64; 4],
+}
+
+impl Places {
+    fn around(normal: DVec3, distance: f64, extent: f64) -> Self {
+        let at = [normal.x, normal.y, normal.z, distance / extent];
+        let at: [f64; 4] = std::array::from_fn(|i| at[i] / STEPS[i]);
+        let own = at.map(|x| x.round() as i64);
+        let beside = std::array::from_fn(|i| match at[i] - own[i] as f64 {
+            off if off > 0.25 => 1,
+            off if off < -0.25 => -1,
+            _ => 0,
+        });
+        Places { own, beside }
+    }
+
+    fn all(&self) -> impl Iterator<Item = [i64; 4]> {
+        let Places { own, beside } = *self;
+        // Without those that are no others.
+        let is_other = move |turn: &usize| (0..4).all(|i| turn >> i & 1 == 0 || beside[i] != 0);
+        let place = move |turn: usize| {
+            std::array::from_fn(|i| match turn >> i & 1 {
+                0 => own[i],
+                _ => own[i] + beside[i],
+            })
+        };
+        (0..16).filter(is_other).map(place)
+    }
+}
+
+/// Planes by the place of their first triangle.
+#[derive(Default)]
+struct ByPlace {
+    /// The latest plane of each place.
+    latest: HashMap<[i64; 4], u32>,
+    /// Of each plane the one before it in its place; itself if there is none.
+    before: Vec<u32>,
+}
+
+impl ByPlace {
+    /// The first plane at some places that fits.
+    fn first(&self, places: &Places, fits: impl Fn(&u32) -> bool) -> Option<u32> {
+        let of_place = |place: [i64; 4]| {
+            let before = move |plane: &u32| {
+                let before = self.before[*plane as usize];
+                (before != *plane).then_some(before)
+            };
+            std::iter::successors(self.latest.get(&place).copied(), before)
+        };
+        places.all().flat_map(of_place).find(fits)
+    }
+
+    /// Adds the next plane.
+    fn add(&mut self, places: &Places, plane: u32) {
+        let before = self.latest.insert(places.own, plane).unwrap_or(plane);
+        self.before.push(before);
     }
 }
 

@@ -7,8 +7,15 @@ use glam::Vec3;
 /// What a point has seen of each source: the form factor [1] times what is let through on the way.
 pub(super) type Factors = Box<[(Source, Vec3)]>;
 
+/// A look around from a point.
+pub(super) struct Sight {
+    pub factors: Factors,
+    /// Whether something lies right upon it.
+    pub is_covered: bool,
+}
+
 /// What points have seen.
-pub(super) type Seen = Shards<Point, Factors>;
+pub(super) type Seen = Shards<Point, Sight>;
 
 /// A point of the lattices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,9 +1,9 @@
-//! Whether a mesh looks as if its unit were not the metre, or its Z axis pointed up.
+//! Whether a mesh looks as if its unit were not the metre, or its Z axis pointed up; whether points do not lie in it for their unit.
 //!
 //! Only what nobody gave is doubted, and only for reasons that right models do not give: large terrains, cities and slabs
 //! are flat, towers are few, small props are still centimetres.
 
-use super::{Mesh, Scene, Triangle};
+use super::{Geometry, Scene, Triangle};
 use crate::warning::Warning;
 use glam::DVec3;
 
@@ -19,6 +19,25 @@ const TALL: f64 = 100.0;
 const WALL: f64 = 300.0;
 /// Triangles from which on a model has a shape that can be judged.
 const LEAST_TRIANGLES: usize = 32;
+/// What objects and materials of level faces are called.
+const LEVEL_NAMES: [&str; 12] = [
+    "floor",
+    "floors",
+    "ceiling",
+    "ceilings",
+    "boden",
+    "fussboden",
+    "fußboden",
+    "decke",
+    "sol",
+    "plafond",
+    "suelo",
+    "techo",
+];
+/// Share of a side of a model's box from which on it is closed, and from which on it is there at all [1].
+const SIDE: [f64; 2] = [0.98, 0.3];
+/// Diagonals of a scene beyond which points have nothing to do with it.
+const FAR: f64 = 5.0;
 
 /// What of a mesh tells its unit and its axes.
 struct Shape {
@@ -35,6 +54,33 @@ struct Shape {
     /// Height that a hundredth of the steep triangles exceed, for each axis as the vertical [m].
     tallest: DVec3,
     triangles: usize,
+    /// Share of what is called floor or ceiling that faces along each axis; 0 without such names.
+    called_level: DVec3,
+    /// How much of each side of its box is there, along each axis on the lower and on the upper side [1].
+    sides: [[f64; 2]; 3],
+}
+
+/// Whether points look as if their unit were not the metre: most of them lie far outside a scene, and would not in a smaller unit.
+pub fn of_points(geometry: &Geometry, points: &[DVec3]) -> Option<Warning> {
+    if geometry.triangle_count() == 0 {
+        return None;
+    }
+    let (low, high) = geometry.bounds();
+    let beyond = |diagonals: f64, point: DVec3| {
+        let reach = diagonals * geometry.extent();
+        !(point.cmpge(low - reach).all() && point.cmple(high + reach).all())
+    };
+    let far = points.iter().filter(|p| beyond(FAR, **p));
+    let far: Vec<DVec3> = far.copied().collect();
+    let fits = |scale: &f64| {
+        let near = far.iter().filter(|p| !beyond(0.1, *scale * **p));
+        2 * near.count() > far.len()
+    };
+    let scale = [0.01, 0.001].into_iter().find(fits)?;
+    (2 * far.len() > points.len()).then_some(Warning::FarPoints {
+        count: [far.len(), points.len()],
+        scale,
+    })
 }
 
 /// Doubts about a mesh that was just placed: about its unit and its axes, where nobody has given them.
@@ -44,7 +90,7 @@ pub(super) fn of(
     [unit, axes]: [bool; 2],
     origin: DVec3,
 ) -> Vec<Warning> {
-    let Some(shape) = Shape::of(&scene.mesh, origin) else {
+    let Some(shape) = Shape::of(scene, origin) else {
         return Vec::new();
     };
     let mut hints = Vec::new();
@@ -67,13 +113,17 @@ pub(super) fn of(
 }
 
 impl Shape {
-    fn of(mesh: &Mesh, origin: DVec3) -> Option<Shape> {
+    fn of(scene: &Scene, origin: DVec3) -> Option<Shape> {
+        let mesh = &scene.mesh;
         let (low, high) = mesh.bounds()?;
         let count = mesh.triangles.len();
         let corners = |t: &Triangle| t.vertices.map(|v| mesh.positions[v as usize]);
         let (mut facing, mut up, mut down, mut area) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
         let mut steep: [Vec<f64>; 3] = Default::default();
-        for triangle in &mesh.triangles {
+        let (mut called_level, mut all_called_level) = (DVec3::ZERO, 0.0);
+        let size = high - low;
+        let mut sides = [[0.0; 2]; 3];
+        for (number, triangle) in (0..).zip(&mesh.triangles) {
             let [a, b, c] = corners(triangle);
             let cross = (b - a).cross(c - a);
             let doubled = cross.length();
@@ -83,6 +133,19 @@ impl Shape {
             let normal = cross / doubled;
             let mark = |yes: glam::BVec3| DVec3::select(yes, DVec3::ONE, DVec3::ZERO);
             area += doubled;
+            if is_called_level(scene, number) {
+                called_level += doubled * normal.abs();
+                all_called_level += doubled;
+            }
+            for axis in 0..3 {
+                for (side, at) in sides[axis].iter_mut().zip([low, high]) {
+                    let is_on = |p: &DVec3| (p[axis] - at[axis]).abs() <= 1e-3 * size[axis];
+                    if [a, b, c].iter().all(is_on) {
+                        let whole = size[(axis + 1) % 3] * size[(axis + 2) % 3];
+                        *side += 0.5 * doubled / whole;
+                    }
+                }
+            }
             facing += doubled * mark(normal.abs().cmpgt(DVec3::splat(0.95)));
             up += mark(normal.cmpgt(DVec3::splat(0.2)));
             down += mark(normal.cmplt(DVec3::splat(-0.2)));
@@ -111,6 +174,11 @@ impl Shape {
             rugged: rugged / count as f64,
             tallest,
             triangles: count,
+            called_level: match all_called_level > 0.0 {
+                true => called_level / all_called_level,
+                false => DVec3::ZERO,
+            },
+            sides,
         })
     }
 
@@ -127,7 +195,20 @@ impl Shape {
     /// Whether Z points up, by where the surfaces face and where the model stands.
     fn lies_on_its_side(&self) -> bool {
         let size = self.high - self.low;
-        if self.triangles < LEAST_TRIANGLES || size.min_element() <= 0.0 {
+        if size.min_element() <= 0.0 {
+            return false;
+        }
+        if self.called_level.z > 0.9 {
+            return true;
+        }
+        // A room has floor and ceiling, and windows in its walls: no floor alone has a hole.
+        let [closed, there] = SIDE;
+        let [_, [floor, ceiling], [front, back]] = self.sides;
+        let closes = |side: f64| side >= closed;
+        if floor > there && !closes(floor) && [ceiling, front, back].into_iter().all(closes) {
+            return true;
+        }
+        if self.triangles < LEAST_TRIANGLES {
             return false;
         }
         // Terrains and cities in the axes of a map would be a wall of hundreds of metres.
@@ -144,6 +225,17 @@ impl Shape {
         let stands = below.z.abs() < 0.3 && below.y > 0.35;
         level && stands || z > y && exact
     }
+}
+
+/// Whether its object or its material is called a floor or a ceiling.
+fn is_called_level(scene: &Scene, triangle: u32) -> bool {
+    let material = scene.mesh.triangles[triangle as usize].material;
+    let material = scene.materials.get(material as usize);
+    let names = [scene.name_of(triangle), material.map_or("", |m| &m.name)];
+    names.iter().any(|name| {
+        let mut words = name.split(|c: char| !c.is_alphabetic());
+        words.any(|word| LEVEL_NAMES.contains(&word.to_lowercase().as_str()))
+    })
 }
 
 /// The value of that rank, from the least; the greatest for a rank beyond, 0 without any.

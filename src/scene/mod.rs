@@ -24,7 +24,7 @@ pub mod glass;
 mod glazing;
 mod gltf;
 pub mod half_plane;
-mod hints;
+pub mod hints;
 pub mod indoors;
 pub mod lamp;
 mod load;

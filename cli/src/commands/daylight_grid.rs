@@ -64,11 +64,7 @@ struct Values {
 /// Says what was left out of a grid.
 pub fn tell(sensors: &Sensors) {
     for left in &sensors.left_out {
-        let text = format!(
-            "{}: {} sensors left out: they {}",
-            left.plane, left.count, left.why
-        );
-        tell::line("grid", text);
+        tell::line("grid", left);
     }
     for note in &sensors.notes {
         tell::line("grid", note);

@@ -9,6 +9,7 @@ use tyndall::colour::luminance;
 use tyndall::conditions::{Conditions, Receiver, View};
 use tyndall::frame::{Field, Frame, Record};
 use tyndall::plan::{Overrules, Plan};
+use tyndall::scene::hints;
 use tyndall::{Error, Result};
 
 use crate::tables::batch::{Batch, Row};
@@ -109,6 +110,10 @@ impl Together for Meter<'_> {
 
     fn of(&mut self, points: Vec<Receiver>) -> Result<Vec<f64>> {
         let count = points.len();
+        if self.done.first.is_none() {
+            let places: Vec<DVec3> = points.iter().map(|point| point.position).collect();
+            tell::warnings(hints::of_points(&self.conditions.geometry, &places).as_slice());
+        }
         let conditions = self.conditions.seen_from(View::of_points(points))?;
         self.choose(&conditions)?;
         let plan = Plan::new(&conditions, &self.overrules)?;
