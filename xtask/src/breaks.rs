@@ -225,6 +225,8 @@ impl Place {
             folder,
             sound: PathBuf::new(),
         };
+        // What reads a file that is broken must read the copy's.
+        let built = built.filter(|_| !one.is_embedded());
         let program = match built.and_then(|folder| newest(folder, one.binary())) {
             Some(program) => program,
             None => place
