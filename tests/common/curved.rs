@@ -1,7 +1,6 @@
 //! Media with borders that are not flat, and rays through them.
 
 use glam::{DQuat, DVec2, DVec3, dvec3};
-use std::f64::consts::PI;
 use tyndall::beam::Beam;
 use tyndall::medium::{Edge, Medium, Phase, Shape, Wave};
 use tyndall::units::DEG;
