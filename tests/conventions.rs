@@ -2,6 +2,10 @@
 //!
 //! Every check is a function from texts to complaints, and is shown something bad beside what there is.
 
+#[path = "../xtask/src/paths.rs"]
+mod paths;
+
+use paths::{code, paths_after};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -69,43 +73,6 @@ fn texts(folder: &str, endings: &[&str]) -> Files {
 fn made_up(files: &[(&str, &str)]) -> Files {
     let own = |(name, text): &(&str, &str)| (name.to_string(), text.to_string());
     files.iter().map(own).collect()
-}
-
-/// What the compiler reads: the lines without comments.
-fn code(text: &str) -> String {
-    let line = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
-    text.lines().map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// The identifiers that follow `prefix`, as in `prefix::name` or `prefix::{name, other::thing}`.
-fn paths_after(code: &str, prefix: &str) -> BTreeSet<String> {
-    let is_name = |c: char| c.is_alphanumeric() || c == '_';
-    let first = |path: &str| path.trim().split(|c| !is_name(c)).next().map(str::to_owned);
-    let mut names = BTreeSet::new();
-    for (at, _) in code.match_indices(prefix) {
-        if code[..at].ends_with(|c| is_name(c) || c == ':' || c == '$') {
-            continue;
-        }
-        let rest = code[at + prefix.len()..].trim_start();
-        match rest.strip_prefix('{') {
-            None => names.extend(first(rest)),
-            Some(group) => {
-                let mut depth = 0;
-                let end = group.find(|c| {
-                    depth += i32::from(c == '{') - i32::from(c == '}');
-                    depth < 0
-                });
-                let mut depth = 0;
-                let top = group[..end.unwrap_or(group.len())].split(|c| {
-                    depth += i32::from(c == '{') - i32::from(c == '}');
-                    c == ',' && depth == 0
-                });
-                names.extend(top.filter_map(first));
-            }
-        }
-    }
-    names.remove("");
-    names
 }
 
 /// The module of the library that a file of `src` belongs to.
@@ -192,6 +159,10 @@ fn modules_use_what_stands_before_them() {
             "use crate::{Error,\n    units, scene::{A, B}};",
         ),
         ("src/sky/perez.rs", "fn f() { let x = crate::scene::g(); }"),
+        (
+            "src/sky/perez.rs",
+            "macro_rules! m { () => { $crate::scene::g() } }",
+        ),
         ("src/effect/shafts.rs", "use crate::Plan;"),
         ("src/plan.rs", "use crate::backend::gpu;"),
         ("src/accuracy/mod.rs", "use crate::plan::Plan;"),
@@ -759,7 +730,8 @@ struct Break {
 fn stale(one: &Break, text: Option<&str>, tests: Option<&str>) -> Option<String> {
     let found = text.map(|text| text.matches(&one.from).count());
     let part = one.test.split_whitespace().nth(1);
-    let is_there = |tests: &str| part.is_none_or(|part| tests.contains(&format!("fn {part}")));
+    let is_there =
+        |tests: &str| part.is_none_or(|part| tests.contains(&format!("#[test]\nfn {part}")));
     let wrong = match found {
         _ if one.from == one.to => "it changes nothing".into(),
         None => format!("there is no {}", one.file),

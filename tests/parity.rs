@@ -16,7 +16,7 @@ use tyndall::effect::{Field, Method};
 use tyndall::frame::Frame;
 use tyndall::medium::{Phase, Shape};
 use tyndall::plan::{Overrules, Plan, Quality};
-use tyndall::scene::{self, Camera, Projection, Scene};
+use tyndall::scene::{self, Camera, Ground, Projection, Scene, Texture, Wrap};
 
 const DEG: f64 = PI / 180.0;
 type Settings<'a> = &'a [(&'a str, f64)];
@@ -412,12 +412,13 @@ fn nothing_leaks_through_a_roof() {
         Phase::Isotropic,
     )];
     let camera = Camera::look_at(DVec3::new(0.0, 2.0, 8.0), DVec3::Y, 70.0 * DEG);
-    let frame = by_gpu(&conditions(scene, camera, SIZE), &[]);
-    assert!(
-        layer(&frame, Field::InscatterSun)
-            .iter()
-            .all(|v| *v == DVec3::ZERO)
-    );
+    let conditions = conditions(scene, camera, SIZE);
+    // However few steps there are: the first and the last count.
+    for steps in [64.0, 1.0] {
+        let frame = by_gpu(&conditions, &[("shafts_march.steps", steps)]);
+        let light = layer(&frame, Field::InscatterSun);
+        assert!(light.iter().all(|v| *v == DVec3::ZERO), "{steps}");
+    }
 }
 
 #[test]
@@ -487,6 +488,52 @@ fn partitions_have_no_seams_and_every_projection_works() {
         let found = by_gpu(&conditions, ADEQUATE);
         let complaints = disagreements(&found, &by_reference(&conditions));
         assert_eq!(complaints, [""; 0], "{projection:?}");
+    }
+}
+
+#[test]
+fn dark_texels_however_wrapped_and_the_ground_of_a_parallel_view_are_the_references() {
+    let test = "dark_texels_however_wrapped_and_the_ground_of_a_parallel_view_are_the_references";
+    if !common::gpu(test) {
+        return;
+    }
+    // Codes up to 10 are on the straight toe of sRGB. The ground is as dark, so that they count.
+    let codes = [[2, 3, 5, 9], [10, 7, 4, 1], [1, 8, 3, 6]];
+    let corner = DVec3::new(-4.0, 0.3, -4.0);
+    let uvs = [
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [0.0, 1.0],
+        [1.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+    ];
+    let mut camera = Camera::look_at(DVec3::new(0.5, 6.0, 5.0), DVec3::ZERO, 1.0);
+    camera.projection = Projection::Orthographic { height: 11.0 };
+    for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+        let floor = quad(corner, DVec3::Z * 8.0, DVec3::X * 8.0);
+        let mut scene = scene(&floor, 120.0, 40.0);
+        scene.ground = Ground {
+            enabled: true,
+            height: Some(0.0),
+            albedo: 0.002,
+        };
+        let uv = |at| DVec2::splat(-1.13) + 3.4 * DVec2::from_array(at);
+        scene.mesh.uvs = uvs.map(uv).into();
+        scene.textures = vec![Texture {
+            name: "dark".into(),
+            width: 4,
+            height: 3,
+            pixels: codes.concat().iter().map(|c| [*c, *c, *c, 255]).collect(),
+            wrap: [wrap; 2],
+        }];
+        scene.materials[0].texture = Some(0);
+        let conditions = conditions(scene, camera, [64, 48]);
+        eprintln!("{wrap:?}");
+        let truth = by_reference(&conditions);
+        assert!(truth.depth.iter().all(|depth| *depth < 1e3));
+        let complaints = disagreements(&by_gpu(&conditions, ADEQUATE), &truth);
+        assert_eq!(complaints, [""; 0], "{wrap:?}");
     }
 }
 

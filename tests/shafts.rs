@@ -240,6 +240,51 @@ fn nothing_leaks_under_a_roof() {
 }
 
 #[test]
+fn what_is_alike_on_both_sides_of_the_sun_has_such_a_picture() {
+    let test = "what_is_alike_on_both_sides_of_the_sun_has_such_a_picture";
+    if !common::gpu(test) {
+        return;
+    }
+    // Slats along the view, the sun above it: left is as right. Rows are few, so that it matters where in one its place is.
+    let mut triangles = Vec::new();
+    for x in [0.3, 1.3, 2.3, 3.3] {
+        for side in [x, -x - 0.5] {
+            triangles.extend(cuboid(
+                DVec3::new(side, 3.9, -8.0),
+                DVec3::new(side + 0.5, 4.0, 8.0),
+            ));
+        }
+    }
+    let mut view = slats(1.0);
+    view.scene.mesh = scene(&triangles, 0.0, 0.0).mesh;
+    view.scene.sun = Some(point_sun(0.0, 50.0));
+    let (min, max) = (DVec3::new(-4.0, 0.0, -8.0), DVec3::new(4.0, 3.9, 8.0));
+    view.scene.media = vec![fog(Shape::Box { min, max }, 0.06, 0.01, Phase::Isotropic)];
+    let eye = DVec3::new(0.0, 1.5, 6.0);
+    view.camera = Camera::look_at(eye, eye + DVec3::NEG_Z, 50f64.to_radians());
+    let conditions = view.conditions([64, 48]).expect("sound");
+    let set = [
+        ("shafts.rows", 8.0),
+        ("shafts.halvings", 0.0),
+        ("shadow.resolution", 4096.0),
+        ("shadow.density", 1024.0),
+    ];
+    let light = layer(
+        &by_gpu(&conditions, Method::Rectified, &set),
+        Field::InscatterSun,
+    );
+    let (mut off, mut all) = (0.0, 0.0);
+    for row in light.chunks(64) {
+        for (left, right) in row.iter().zip(row.iter().rev()) {
+            off += (left.x - right.x).abs();
+            all += left.x;
+        }
+    }
+    eprintln!("left and right are {:.5} apart", off / all);
+    assert!(all > 0.0 && off < 0.01 * all, "{}", off / all);
+}
+
+#[test]
 fn every_camera_is_the_same_to_rows() {
     let test = "every_camera_is_the_same_to_rows";
     if !common::gpu(test) {

@@ -107,3 +107,93 @@ impl Snapshot {
         self.0 == conditions.snapshot(inputs).0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conditions::{CameraChoice, Request};
+    use crate::photometry::Distribution;
+    use crate::scene::{Camera, LampEntry, LampForm, SunEntry};
+    use glam::DVec3;
+
+    fn lamp(x: f64) -> LampEntry {
+        LampEntry {
+            name: "lamp".into(),
+            position: DVec3::new(x, 3.0, 0.0),
+            toward: DVec3::NEG_Y,
+            around: None,
+            intensity: DVec3::splat(1e5),
+            distribution: Distribution::Isotropic,
+            form: LampForm::Point,
+            ignore: None,
+        }
+    }
+
+    /// A change of the conditions.
+    type Change = fn(&mut Conditions);
+
+    #[test]
+    fn what_has_changed_holds_no_longer_and_all_else_does() {
+        let scene = Scene {
+            sun: Some(SunEntry {
+                azimuth_deg: 180.0,
+                elevation_deg: 30.0,
+                illuminance: None,
+                diameter_deg: None,
+            }),
+            lamps: vec![lamp(0.0), lamp(1.0)],
+            ..Scene::default()
+        };
+        let request = Request {
+            camera: CameraChoice::Given(Camera::look_at(DVec3::Y, DVec3::NEG_Z, 0.8)),
+            ..Request::default()
+        };
+        let before = Conditions::new(scene, &request).expect("it is sound");
+        assert_eq!(before.lamps.len(), 2);
+        let all = [
+            Input::Geometry,
+            Input::Materials,
+            Input::Media,
+            Input::Sky,
+            Input::Sun,
+            Input::Lamps,
+            Input::View,
+        ];
+        let changes: [(&[Input], Change); 9] = [
+            (&[], |_| {}),
+            (&[Input::Sun], |now| now.sun.toward = DVec3::Y),
+            (&[Input::Geometry, Input::Materials], |now| {
+                let ground = now.ground.as_mut().expect("there is a ground");
+                ground.height -= 1.0;
+            }),
+            (&[Input::Materials], |now| {
+                let ground = now.ground.as_mut().expect("there is a ground");
+                ground.albedo *= 0.5;
+            }),
+            (&[Input::Lamps], |now| now.lamps = now.lamps[..1].into()),
+            (&[Input::Lamps], |now| {
+                now.lamps = [1, 0].map(|i| now.lamps[i].clone()).into()
+            }),
+            (&[Input::Media], |now| now.air.ground += 1.0),
+            (&[Input::Sky], |now| now.sky = None),
+            (&[Input::Materials], |now| {
+                now.scene = Arc::new((*now.scene).clone())
+            }),
+        ];
+        for (stale, change) in changes {
+            let mut now = before.clone();
+            change(&mut now);
+            for input in all {
+                let holds = before.snapshot(&[input]).still_holds(&now, &[input]);
+                assert_eq!(holds, !stale.contains(&input), "{input:?} of {stale:?}");
+            }
+            let is_of_scene = before.snapshot(&all).is_of_scene(&now);
+            assert_eq!(is_of_scene, Arc::ptr_eq(&before.scene, &now.scene));
+        }
+        assert!(
+            !before
+                .snapshot(&[Input::Sun])
+                .still_holds(&before, &[Input::View])
+        );
+    }
+}

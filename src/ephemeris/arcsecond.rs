@@ -281,3 +281,54 @@ const NUTATION: [([i8; 5], [f64; 6]); 77] = [
     ([-1, 0, 0, 0, 2], [1405.0, 0.0, 4.0, -610.0, 0.0, 2.0]),
     ([1, 1, 2, -2, 2], [1290.0, 0.0, 0.0, -556.0, 0.0, 0.0]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Julian centuries since J2000.0, nutation in longitude and obliquity ["]. Source: `nut00b` of ERFA 2.0.1.
+    const NUTATION_BY_ERFA: [[f64; 3]; 6] = [
+        [-1.0, 17.34596395041413, -2.293000934274587],
+        [-0.497, -3.0519197988300286, 9.277388846599305],
+        [0.0, -13.931663888969783, -5.769417077292847],
+        [0.269, 8.477138952561605, 7.027951152244324],
+        [0.7555, -16.007719317977724, -2.3609293798549804],
+        [1.0, 3.272757918699833, 8.584860083110494],
+    ];
+
+    #[test]
+    fn nutation_is_that_of_erfa_to_the_last_of_its_terms() {
+        for [t, d_psi, d_eps] in NUTATION_BY_ERFA {
+            let (psi, eps, _) = nutation(t);
+            for (got, expected) in [(psi, d_psi), (eps, d_eps)] {
+                // The smallest figures of the table are 1e-7.
+                let off = got / ARCSEC - expected;
+                assert!(off.abs() < 1e-8, "{t}: {off:e} arcseconds");
+            }
+        }
+    }
+
+    /// Julian centuries, the poles of ecliptic and equator. Source: `ltpecl` and `ltpequ` of ERFA 2.0.1.
+    #[rustfmt::skip]
+    const POLES_BY_ERFA: [(f64, [f64; 3], [f64; 3]); 4] = [
+        (-40.0, [0.0007443878658365737, -0.406296321735327, 0.9137410709993553],
+            [-0.3331248386206627, -0.1610969085511166, 0.9290186370300817]),
+        (-1.0, [-1.9416220619776105e-05, -0.3979854025377621, 0.9173917478317895],
+            [-0.00971771784453175, -0.00010850968077055874, 0.9999527759777175]),
+        (7.3, [0.00019830979266567174, -0.39626942060824427, 0.9181342532353493],
+            [0.0704462658854226, -0.005771007817824672, 0.997498881749532]),
+        (40.0, [0.0022400769210225114, -0.38993742992452135, 0.9208386301623357],
+            [0.32670865991702663, -0.15980354229109592, 0.9315171922226871]),
+    ];
+
+    #[test]
+    fn poles_of_millennia_are_those_of_erfa() {
+        for (t, ecliptic, equator) in POLES_BY_ERFA {
+            for (got, expected) in [(ecliptic_pole(t), ecliptic), (equator_pole(t), equator)] {
+                for (got, expected) in got.iter().zip(expected) {
+                    assert!((got - expected).abs() < 1e-11, "{t}: {got} {expected}");
+                }
+            }
+        }
+    }
+}

@@ -112,6 +112,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_clear_pane_is_that_of_fresnels_formulae_by_angles() {
+        for degrees in [5.0, 30.0, 45.0, 56.66, 70.0, 85.0f64] {
+            let outside = degrees.to_radians();
+            let inside = (outside.sin() / INDEX).asin();
+            let across = ((outside - inside).sin() / (outside + inside).sin()).powi(2);
+            let along = ((outside - inside).tan() / (outside + inside).tan()).powi(2);
+            // All that goes to and fro between two surfaces that take nothing: (1 - r)^2 / (1 - r^2).
+            let truth = 0.5 * ((1.0 - across) / (1.0 + across) + (1.0 - along) / (1.0 + along));
+            let clear = (1.0 - 0.52f64.powi(2) / 2.52f64.powi(2))
+                / (1.0 + 0.52f64.powi(2) / 2.52f64.powi(2));
+            let found = Incidence::new(outside.cos()).transmittance(clear, 1);
+            assert!((found - truth).abs() < 1e-12, "{degrees}: {found} {truth}");
+        }
+    }
+
+    #[test]
     fn it_is_what_was_said_at_normal_incidence_and_falls_to_nothing() {
         for count in 1..=MOST_PANES {
             for normal in [1e-12, 1e-3, 0.1, 0.5, 0.72, 0.8, 0.9, 0.918, 0.95, 1.0] {

@@ -4,6 +4,7 @@
 pub mod air;
 pub mod annual;
 pub mod build;
+pub mod curved;
 pub mod files;
 pub mod flat;
 pub mod glazed;

@@ -9,12 +9,12 @@
 
 use crate::cut::{self, Part};
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
@@ -55,6 +55,9 @@ enum Came {
     FailsAnyway(Option<String>),
 }
 
+/// Programs without any break, and tests that pass in them.
+type Passing = BTreeSet<(PathBuf, String)>;
+
 impl std::fmt::Display for Came {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = |name: &Option<String>| name.clone().unwrap_or_else(|| "the whole".into());
@@ -67,23 +70,37 @@ impl std::fmt::Display for Came {
     }
 }
 
-/// Runs all breaks whose name, file or test contains one of `only` (all for none).
-pub fn run(only: Vec<String>) -> ExitCode {
-    match run_all(&only) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(problem) => {
-            eprintln!("xtask: {problem}");
-            ExitCode::FAILURE
+impl Came {
+    /// What it is when what failed runs in `sound`, which has no break, too; `passing` holds what has passed there before.
+    fn checked(self, sound: &Path, folder: &Path, passing: &mut Passing) -> Result<Came, String> {
+        if let Came::Caught(Some(name)) = &self
+            && !passing.contains(&(sound.to_owned(), name.clone()))
+        {
+            if test(sound, folder, &["--exact", name])? != Came::Survived {
+                return Ok(Came::FailsAnyway(Some(name.clone())));
+            }
+            passing.insert((sound.to_owned(), name.clone()));
         }
+        Ok(self)
     }
 }
 
-fn run_all(only: &[String]) -> Result<bool, String> {
+/// Runs all breaks whose name, file or test contains one of the words of `arguments` (all for none).
+///
+/// `--built FOLDER` among them names a folder of test programs, such as `target/release/deps`, that need not be built once more: what
+/// stands in one of these as it is written is broken in a copy of it.
+pub fn run(arguments: Vec<String>) -> Result<bool, String> {
+    let (mut only, mut built) = (Vec::new(), None);
+    let mut arguments = arguments.into_iter();
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--built" => built = Some(arguments.next().ok_or("--built needs a folder")?),
+            _ => only.push(argument),
+        }
+    }
+    let built = built.as_deref().map(Path::new);
     let root = crate::root();
-    let path = root.join("tests/breaks.toml");
-    let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let list: List = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let list: List = crate::list("tests/breaks.toml")?;
     let wanted = |b: &Break| {
         let named = |w: &String| [&b.name, &b.file, &b.test].iter().any(|t| t.contains(w));
         only.is_empty() || only.iter().any(named)
@@ -92,15 +109,20 @@ fn run_all(only: &[String]) -> Result<bool, String> {
     // First what needs no build, then what shares a program.
     breaks.sort_by_key(|one| (!one.is_embedded(), one.place()));
     let mut places: BTreeMap<String, Place> = BTreeMap::new();
-    let mut caught = 0;
+    let (mut caught, mut passing) = (0, Passing::new());
     println!("| break | file | came |\n|---|---|---|");
     for one in &breaks {
         let begun = Instant::now();
-        let place = match places.entry(one.place()) {
-            Entry::Occupied(there) => there.into_mut(),
-            Entry::Vacant(new) => new.insert(Place::new(&root, one)?),
+        let came = match one.in_built(&root, built, &mut passing)? {
+            Some(came) => came,
+            None => {
+                let place = match places.entry(one.place()) {
+                    Entry::Occupied(there) => there.into_mut(),
+                    Entry::Vacant(new) => new.insert(Place::new(&root, one, built)?),
+                };
+                place.with(one, &mut passing)?
+            }
         };
-        let came = place.with(one)?;
         caught += usize::from(matches!(came, Came::Caught(_)));
         println!("| {} | {} | {came} |", one.name, one.file);
         let seconds = begun.elapsed().as_secs_f64();
@@ -134,6 +156,35 @@ impl Break {
         !self.file.ends_with(".rs")
     }
 
+    /// Tests it in the program of its suite in the folder `built`; `None` where there is no program that holds its file.
+    fn in_built(
+        &self,
+        root: &Path,
+        built: Option<&Path>,
+        passing: &mut Passing,
+    ) -> Result<Option<Came>, String> {
+        let found = built
+            .filter(|_| self.is_embedded())
+            .and_then(|folder| newest(folder, self.binary()));
+        let Some(program) = found else {
+            return Ok(None);
+        };
+        let path = root.join(&self.file);
+        let text = fs::read_to_string(path).map_err(|e| format!("{}: {e}", self.file))?;
+        let copy = kept()?.join(format!("{}-broken", self.place()));
+        if !patch(&program, &text, &self.broken(&text)?, &copy)? {
+            return Ok(None);
+        }
+        let came = self.tested(&copy, root)?;
+        came.checked(&program, root, passing).map(Some)
+    }
+
+    /// Runs its test in a program that has it in.
+    fn tested(&self, program: &Path, folder: &Path) -> Result<Came, String> {
+        let part: Vec<&str> = self.test.split_whitespace().skip(1).collect();
+        test(program, folder, &part)
+    }
+
     /// Its file with it in.
     fn broken(&self, sound: &str) -> Result<String, String> {
         match sound.matches(&self.from).count() {
@@ -154,8 +205,8 @@ struct Place {
 }
 
 impl Place {
-    /// Copies what the test of `one` needs, and builds it.
-    fn new(root: &Path, one: &Break) -> Result<Self, String> {
+    /// Copies what the test of `one` needs, and builds it where no such program lies in `built`.
+    fn new(root: &Path, one: &Break, built: Option<&Path>) -> Result<Self, String> {
         let modules: Vec<&str> = one.module().into_iter().collect();
         let suites: Vec<&str> = [one.binary()].into_iter().filter(|s| *s != "lib").collect();
         let whole = crate::target().join("breaks");
@@ -170,53 +221,50 @@ impl Place {
             ),
         };
         cut::copy(root, &folder, part)?;
-        let kept = whole.join("sound");
-        fs::create_dir_all(&kept).map_err(|e| format!("{}: {e}", kept.display()))?;
         let mut place = Place {
             folder,
             sound: PathBuf::new(),
         };
-        let program = place
-            .program(one.binary())?
-            .ok_or_else(|| format!("`{}` does not compile without any break", one.test))?;
-        place.sound = kept.join(one.place());
+        // What reads a file that is broken must read the copy's.
+        let built = built.filter(|_| !one.is_embedded());
+        let program = match built.and_then(|folder| newest(folder, one.binary())) {
+            Some(program) => program,
+            None => place
+                .program(one.binary())?
+                .ok_or_else(|| format!("`{}` does not compile without any break", one.test))?,
+        };
+        place.sound = kept()?.join(one.place());
         fs::copy(&program, &place.sound).map_err(|e| format!("{}: {e}", place.sound.display()))?;
         Ok(place)
     }
 
     /// Puts a break in, tests, and takes it out again.
-    fn with(&self, one: &Break) -> Result<Came, String> {
+    fn with(&self, one: &Break, passing: &mut Passing) -> Result<Came, String> {
         let path = self.folder.join(&one.file);
         let wrong = |e: std::io::Error| format!("{}: {e}", one.file);
         let text = fs::read_to_string(&path).map_err(wrong)?;
-        let time = path.metadata().and_then(|m| m.modified()).map_err(wrong)?;
         let broken = one.broken(&text)?;
         let sound = &self.sound;
-        fs::write(&path, &broken).map_err(wrong)?;
-        let tested = (|| {
-            let program = match one.is_embedded() {
-                true => Some(patched(sound, &text, &broken)?),
-                false => self.program(one.binary())?,
-            };
-            let part: Vec<&str> = one.test.split_whitespace().skip(1).collect();
-            match program {
-                None => Ok(Came::DoesNotCompile),
-                Some(program) => self.test(&program, &part),
-            }
-        })();
-        fs::write(&path, &text).map_err(wrong)?;
         if one.is_embedded() {
-            // Nothing was built of it.
-            let file = fs::File::options().append(true).open(&path);
-            file.and_then(|f| f.set_modified(time)).map_err(wrong)?;
+            let copy = sound.with_extension("broken");
+            if patch(sound, &text, &broken, &copy)? {
+                let came = one.tested(&copy, &self.folder)?;
+                return came.checked(sound, &self.folder, passing);
+            }
         }
-        let came = tested?;
-        if let Came::Caught(Some(name)) = &came
-            && self.test(sound, &["--exact", name])? != Came::Survived
-        {
-            return Ok(Came::FailsAnyway(Some(name.clone())));
-        }
-        Ok(came)
+        fs::write(&path, &broken).map_err(wrong)?;
+        let program = match one.is_embedded() {
+            // The test reads the file itself.
+            true => Ok(Some(sound.clone())),
+            false => self.program(one.binary()),
+        };
+        let came = match program {
+            Ok(Some(program)) => one.tested(&program, &self.folder),
+            Ok(None) => Ok(Came::DoesNotCompile),
+            Err(problem) => Err(problem),
+        };
+        fs::write(&path, &text).map_err(wrong)?;
+        came?.checked(sound, &self.folder, passing)
     }
 
     /// Builds the program of a test in the copy; `None` where it does not compile.
@@ -248,63 +296,89 @@ impl Place {
         let program = program.ok_or_else(|| format!("`{binary}`: cargo names no program"))?;
         Ok(Some(program))
     }
+}
 
-    /// Runs a test program in the copy up to its first failure.
-    fn test(&self, program: &Path, arguments: &[&str]) -> Result<Came, String> {
-        let wrong = |e: std::io::Error| format!("{}: {e}", program.display());
-        let mut child = Command::new(program)
-            .args(arguments)
-            .current_dir(&self.folder)
-            .env("CARGO_MANIFEST_DIR", &self.folder)
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .map_err(wrong)?;
-        let (tell, told) = mpsc::channel();
-        let lines = child.stdout.take().map(BufReader::new);
-        std::thread::spawn(move || {
-            for line in lines
-                .into_iter()
-                .flat_map(BufRead::lines)
-                .map_while(Result::ok)
-            {
-                if tell.send(line).is_err() {
-                    break;
+/// Runs a test program in a folder up to its first failure.
+///
+/// # Errors
+/// In words, where it does not start, or no test has the name.
+fn test(program: &Path, folder: &Path, arguments: &[&str]) -> Result<Came, String> {
+    let wrong = |e: std::io::Error| format!("{}: {e}", program.display());
+    let mut child = Command::new(program)
+        .args(arguments)
+        .current_dir(folder)
+        .env("CARGO_MANIFEST_DIR", folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .map_err(wrong)?;
+    let (tell, told) = mpsc::channel();
+    let lines = child.stdout.take().map(BufReader::new);
+    std::thread::spawn(move || {
+        for line in lines
+            .into_iter()
+            .flat_map(BufRead::lines)
+            .map_while(Result::ok)
+        {
+            if tell.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    let begun = Instant::now();
+    loop {
+        let left = PATIENCE.saturating_sub(begun.elapsed());
+        match told.recv_timeout(left) {
+            Ok(line) if line == "running 0 tests" => {
+                return Err(format!("{}: no test {arguments:?}", program.display()));
+            }
+            Ok(line) => {
+                let failed = line.strip_suffix(" ... FAILED");
+                if let Some(name) = failed.and_then(|line| line.strip_prefix("test ")) {
+                    let _ = child.kill().and_then(|()| child.wait());
+                    return Ok(Came::Caught(Some(name.to_owned())));
                 }
             }
-        });
-        let begun = Instant::now();
-        loop {
-            let left = PATIENCE.saturating_sub(begun.elapsed());
-            match told.recv_timeout(left) {
-                Ok(line) => {
-                    let failed = line.strip_suffix(" ... FAILED");
-                    if let Some(name) = failed.and_then(|line| line.strip_prefix("test ")) {
-                        let _ = child.kill().and_then(|()| child.wait());
-                        return Ok(Came::Caught(Some(name.to_owned())));
-                    }
-                }
-                // A loop that no longer ends has been noticed too.
-                Err(mpsc::RecvTimeoutError::Timeout) => {
-                    let _ = child.kill().and_then(|()| child.wait());
-                    return Ok(Came::Caught(None));
-                }
-                Err(mpsc::RecvTimeoutError::Disconnected) => {
-                    let passed = child.wait().map_err(wrong)?.success();
-                    return Ok(if passed {
-                        Came::Survived
-                    } else {
-                        Came::Caught(None)
-                    });
-                }
+            // A loop that no longer ends has been noticed too.
+            Err(mpsc::RecvTimeoutError::Timeout) => {
+                let _ = child.kill().and_then(|()| child.wait());
+                return Ok(Came::Caught(None));
+            }
+            Err(mpsc::RecvTimeoutError::Disconnected) => {
+                let passed = child.wait().map_err(wrong)?.success();
+                return Ok(if passed {
+                    Came::Survived
+                } else {
+                    Came::Caught(None)
+                });
             }
         }
     }
 }
 
-/// A copy of `program` beside it, in which `broken` stands in place of `sound`.
-fn patched(program: &Path, sound: &str, broken: &str) -> Result<PathBuf, String> {
+/// Where programs are kept.
+fn kept() -> Result<PathBuf, String> {
+    let folder = crate::target().join("breaks/sound");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    Ok(folder)
+}
+
+/// The newest program of a suite in a folder where Cargo puts them, with a hash at their names' ends.
+fn newest(folder: &Path, suite: &str) -> Option<PathBuf> {
+    let is_of_suite = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let hash = name.and_then(|name| name.strip_prefix(suite)?.strip_prefix('-'));
+        hash.is_some_and(|hash| hash.chars().all(|c| c.is_ascii_hexdigit()))
+    };
+    let programs = folder.read_dir().ok()?.flatten().map(|entry| entry.path());
+    programs
+        .filter(is_of_suite)
+        .max_by_key(|path| path.metadata().and_then(|m| m.modified()).ok())
+}
+
+/// Writes `program` to `copy` with `broken` in place of `sound`; `false` where it does not hold that.
+fn patch(program: &Path, sound: &str, broken: &str, copy: &Path) -> Result<bool, String> {
     let wrong = |e: std::io::Error| format!("{}: {e}", program.display());
     let broken = as_long(broken, sound.len())
         .ok_or("a broken file is longer than it was by more than its comments")?;
@@ -314,14 +388,12 @@ fn patched(program: &Path, sound: &str, broken: &str) -> Result<PathBuf, String>
         bytes[at..at + broken.len()].copy_from_slice(broken.as_bytes());
         found += 1;
     }
-    if found == 0 {
-        // The test reads the file itself.
-        return Ok(program.to_owned());
+    if found > 0 {
+        // With the rights of a program.
+        fs::copy(program, copy).map_err(wrong)?;
+        fs::write(copy, bytes).map_err(wrong)?;
     }
-    let copy = program.with_extension("broken");
-    fs::copy(program, &copy).map_err(wrong)?;
-    fs::write(&copy, bytes).map_err(wrong)?;
-    Ok(copy)
+    Ok(found > 0)
 }
 
 /// Where `part` begins in `whole`.

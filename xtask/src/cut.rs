@@ -2,6 +2,7 @@
 //!
 //! A module uses few others, and a package of these alone is compiled in seconds, not in half a minute.
 
+use crate::paths::{code, paths_after};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -181,39 +182,6 @@ fn needed(
 /// A file's name without its ending.
 fn stem(file: &str) -> &str {
     file.split('.').next().unwrap_or_default()
-}
-
-/// What the compiler reads: the lines without comments.
-fn code(text: &str) -> String {
-    let line = |line: &str| line.split("//").next().unwrap_or_default().to_owned() + "\n";
-    text.lines().map(line).collect()
-}
-
-/// The first names after `prefix`, as in `prefix::name` and `prefix::{name, other::thing}`.
-fn paths_after(code: &str, prefix: &str) -> BTreeSet<String> {
-    let is_name = |c: char| c.is_alphanumeric() || c == '_';
-    let first = |path: &str| path.trim().split(|c| !is_name(c)).next().map(str::to_owned);
-    let mut names = BTreeSet::new();
-    for (at, _) in code.match_indices(prefix) {
-        let rest = code[at + prefix.len()..].trim_start();
-        let Some(group) = rest.strip_prefix('{') else {
-            names.extend(first(rest));
-            continue;
-        };
-        let mut depth = 0;
-        let end = group.find(|c| {
-            depth += i32::from(c == '{') - i32::from(c == '}');
-            depth < 0
-        });
-        let mut depth = 0;
-        let top = group[..end.unwrap_or(group.len())].split(|c| {
-            depth += i32::from(c == '{') - i32::from(c == '}');
-            c == ',' && depth == 0
-        });
-        names.extend(top.filter_map(first));
-    }
-    names.remove("");
-    names
 }
 
 /// A file that names modules (`mod`, `pub use`) without those that are not `kept`, and without its documentation, which names them too.

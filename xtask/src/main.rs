@@ -3,18 +3,22 @@
 mod breaks;
 mod cut;
 mod mutants;
+mod paths;
 mod pictures;
 mod same;
 mod scene;
 mod test;
 
+use serde::de::DeserializeOwned;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
-  breaks [WORDS]     put small breaks into a copy of the sources, one at a time, and see whether the tests notice (tests/breaks.toml)
+  breaks [--built FOLDER] [WORDS]
+                     put small breaks into a copy of the sources, one at a time, and see whether the tests notice (tests/breaks.toml);
+                     those in shaders into copies of the test programs in FOLDER, such as target/release/deps, if it is named
   mutants MODULE [ARGUMENTS]
                      change the code of a module in all small ways that cargo-mutants knows, one at a time, and see whether its
                      suites notice (tests/mutants.toml); ARGUMENTS go to `cargo mutants`
@@ -28,12 +32,12 @@ usage: cargo xtask COMMAND
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     match arguments.next().as_deref() {
-        Some("breaks") => breaks::run(arguments.collect()),
-        Some("mutants") => mutants::run(arguments.collect()),
+        Some("breaks") => status(breaks::run(arguments.collect())),
+        Some("mutants") => status(mutants::run(arguments.collect())),
         Some("pictures") => pictures::run(arguments.collect()),
         Some("same") => same::run(arguments.collect()),
         Some("scene") => scene::run(),
-        Some("test") => test::run(arguments.collect()),
+        Some("test") => status(test::run(arguments.collect())),
         Some("help" | "--help" | "-h") => {
             print!("{USAGE}");
             ExitCode::SUCCESS
@@ -46,6 +50,24 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// What a command ends with: whether all was as it should be, or what went wrong.
+fn status(done: Result<bool, String>) -> ExitCode {
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(problem) => {
+            eprintln!("xtask: {problem}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Reads a list in TOML, `name` from the root.
+fn list<T: DeserializeOwned>(name: &str) -> Result<T, String> {
+    let text = std::fs::read_to_string(root().join(name)).map_err(|e| format!("{name}: {e}"))?;
+    toml::from_str(&text).map_err(|e| format!("{name}: {e}"))
 }
 
 /// The folder of the workspace: the current copy of it, when it has been moved since xtask was built.

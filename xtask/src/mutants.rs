@@ -5,8 +5,7 @@
 
 use crate::cut::{self, Part};
 use serde::Deserialize;
-use std::fs;
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -27,22 +26,8 @@ struct Module {
 }
 
 /// Runs cargo-mutants for the module that the first of `arguments` names; the others are passed on.
-pub fn run(arguments: Vec<String>) -> ExitCode {
-    match of_module(&arguments) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(problem) => {
-            eprintln!("xtask: {problem}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn of_module(arguments: &[String]) -> Result<bool, String> {
-    let root = crate::root();
-    let path = root.join("tests/mutants.toml");
-    let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let list: List = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+pub fn run(arguments: Vec<String>) -> Result<bool, String> {
+    let list: List = crate::list("tests/mutants.toml")?;
     let (name, others) = arguments.split_first().ok_or("which module?")?;
     let names: Vec<&str> = list.module.iter().map(|m| m.name.as_str()).collect();
     let module = list.module.iter().find(|module| module.name == *name);
@@ -55,7 +40,7 @@ fn of_module(arguments: &[String]) -> Result<bool, String> {
         modules: &[name.as_str()],
         suites: &suites,
     };
-    cut::copy(&root, &folder, part)?;
+    cut::copy(&crate::root(), &folder, part)?;
     let mut files: Vec<String> = module.files.clone();
     if files.is_empty() {
         files.extend([format!("{name}.rs"), format!("{name}/**")]);

@@ -66,14 +66,7 @@ pub fn run(arguments: Vec<String>) -> ExitCode {
         eprintln!("xtask: name one other binary: cargo xtask same PATH");
         return ExitCode::from(2);
     };
-    match compare_all(Path::new(other)) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(problem) => {
-            eprintln!("xtask: {problem}");
-            ExitCode::FAILURE
-        }
-    }
+    crate::status(compare_all(Path::new(other)))
 }
 
 fn compare_all(other: &Path) -> Result<bool, String> {

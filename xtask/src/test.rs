@@ -14,22 +14,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// Runs the tests; `arguments` go to `cargo test`.
-pub fn run(arguments: Vec<String>) -> ExitCode {
-    match run_all(arguments) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(problem) => {
-            say(&problem);
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn run_all(arguments: Vec<String>) -> Result<bool, String> {
+pub fn run(arguments: Vec<String>) -> Result<bool, String> {
     let target = crate::target();
     fs::create_dir_all(&target).map_err(|e| format!("cannot make {}: {e}", target.display()))?;
     let list = target.join("tests-not-run.txt");
