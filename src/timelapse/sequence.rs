@@ -407,11 +407,25 @@ impl Sequence {
         named && shard.is_none_or(|shard| shard.holds(index - self.asked.first))
     }
 
-    /// Renders a frame and writes its files, which hold its key. The picture is shown to `accept` before: what that refuses is not written.
+    /// Renders a frame and writes its files, which hold its key.
     ///
     /// # Errors
-    /// Those of `accept`, of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::picture::write`].
+    /// Those of the conditions, of [`Plan::new`], [`Backend::render`] and [`output::picture::write`].
     pub fn render(
+        &self,
+        line: &FrameLine,
+        backend: &mut Backend,
+        limits: &Limits,
+        progress: Progress,
+    ) -> Result<Rendered> {
+        self.render_if(line, backend, limits, progress, &mut |_, _| Ok(()))
+    }
+
+    /// The same; the picture is shown to `accept` before, and what that refuses is not written.
+    ///
+    /// # Errors
+    /// Those of [`Sequence::render`] and of `accept`.
+    pub fn render_if(
         &self,
         line: &FrameLine,
         backend: &mut Backend,

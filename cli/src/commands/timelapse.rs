@@ -573,7 +573,7 @@ impl Run<'_> {
                 bar.apart(|| self.measure(line.index, seen, frame, done))
             };
             self.sequence
-                .render(&line, backend, self.limits, &progress, &mut accept)?;
+                .render_if(&line, backend, self.limits, &progress, &mut accept)?;
             done.made += 1;
             predicted += line.predicted_seconds;
             if bar.takes_lines() {
