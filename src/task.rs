@@ -10,6 +10,8 @@ pub struct Step {
     pub stage: &'static str,
     /// How much of the stage is done, 0 to 1.
     pub share: f64,
+    /// Where the same stages are done several times: which time it is, from 1, and how many there are.
+    pub turn: Option<[usize; 2]>,
 }
 
 /// Called now and then, from any thread.
@@ -21,6 +23,7 @@ pub struct Task<'a> {
     stage: &'static str,
     /// Which part of the stage it is.
     part: [f64; 2],
+    turn: Option<[usize; 2]>,
     progress: Progress<'a>,
     stop: Option<&'a AtomicBool>,
 }
@@ -34,6 +37,7 @@ impl<'a> Task<'a> {
         Task {
             stage: "all of it",
             part: [0.0, 1.0],
+            turn: None,
             progress,
             stop,
         }
@@ -52,6 +56,12 @@ impl<'a> Task<'a> {
             part,
             ..self
         }
+    }
+
+    /// One of several times that the same stages are done, from 1.
+    pub fn turn(self, number: usize, of: usize) -> Self {
+        let turn = Some([number, of]);
+        Task { turn, ..self }
     }
 
     /// The part of it between two shares, 0 to 1.
@@ -78,6 +88,7 @@ impl<'a> Task<'a> {
         (self.progress)(Step {
             stage: self.stage,
             share: low + share.clamp(0.0, 1.0) * (high - low),
+            turn: self.turn,
         });
     }
 

@@ -112,6 +112,19 @@ struct Run {
 
 /// Every so many lit hours, under a point sun, which can be followed by hand.
 fn run(scene: Scene, step: usize) -> Run {
+    run_by(scene, step, &fineness(&[]))
+}
+
+/// 145 patches of the sky, and some knobs of light from surfaces.
+fn fineness(set: &[(&str, f64)]) -> Fineness {
+    let set: Vec<(String, f64)> = set.iter().map(|(k, v)| ((*k).into(), *v)).collect();
+    Fineness {
+        patches: 1,
+        ..Fineness::new(Quality::Preview, &set)
+    }
+}
+
+fn run_by(scene: Scene, step: usize, fineness: &Fineness) -> Run {
     let file = made_up(ULM).read();
     let all = Hours::new(&file, 0.0, None, None).expect("it is sound");
     let lit = all.lit.iter().skip(step / 2).step_by(step).cloned();
@@ -124,11 +137,7 @@ fn run(scene: Scene, step: usize) -> Run {
     }
     let base = conditions(scene, &Default::default(), &file).expect("it is sound");
     let sensors = sensors();
-    let fineness = Fineness {
-        patches: 1,
-        ..Fineness::new(Quality::Preview, &[])
-    };
-    let year = Year::new(&base, sensors.clone(), &fineness, Task::unwatched()).expect("it works");
+    let year = Year::new(&base, sensors.clone(), fineness, Task::unwatched()).expect("it works");
     let clock = |hour: &tyndall::daylight::hours::Hour| f64::from(hour.hour) - 0.5;
     let table = year
         .table(&hours, clock, Task::unwatched())
@@ -141,7 +150,7 @@ fn run(scene: Scene, step: usize) -> Run {
         areas: &areas,
         planes: &planes,
     };
-    let mut operator = Operator::new(&blinds, &year, rooms, &fineness).expect("they hang");
+    let mut operator = Operator::new(&blinds, &year, rooms, fineness).expect("they hang");
     let operated = operator.operate(&hours, &table, Task::unwatched());
     Run {
         base,
@@ -215,6 +224,7 @@ fn blinds_close_in_the_hours_and_rooms_that_have_the_sun() {
     let (name, hours) = value(&with, "closed_h:east").expect("a figure");
     assert!(name.contains("east") && hours == closed[1] as f64);
     assert_eq!(value(&with, "sda").expect("a figure").0, "sDA300/50%");
+    assert!(with.open.is_empty(), "both windows have blinds");
     let none = value(&without, "sda").expect("a figure");
     assert!(none.0.ends_with("no blinds"));
     assert_eq!(value(&with, "sda_no_blinds"), Some(none));
@@ -230,35 +240,20 @@ fn blinds_close_in_the_hours_and_rooms_that_have_the_sun() {
     assert!(lower.count() > 0, "no sensor loses an hour");
 }
 
-/// What a closed blind lets through wholly is as if it were open; what it scatters comes from a window that is matt.
-#[test]
-fn a_closed_blind_is_a_matt_window_or_none() {
-    let mut scene = two_rooms(0.5);
-    scene.shades = vec![shade("west", 0.0, 1.0, 0.0)];
-    let open = run(scene, 97);
-    assert!(open.operated.hours(0) >= 2);
-    assert_eq!(open.operated.table.total, open.table.total);
-
-    // A black room before a black ground: the window alone gives light, as a polygon of exitance tau E.
-    let tau = 0.3;
-    let mut scene = two_rooms(0.0);
-    scene.ground.albedo = 0.0;
-    scene.shades = vec![shade("west", tau, 0.0, 0.0)];
-    let black = run(scene.clone(), 97);
+/// Holds what a closed western blind gives in a black room before a black ground to a closed form: its window is a polygon of exitance
+/// tau E, where E is on the back of it what stands behind the middle of the glass gets of the same patches of the sky and the same sun, and
+/// of all that comes without blinds its openness is let through.
+fn is_matt(black: &Run, shade: &WindowShade, fineness: &Fineness) {
     let [a, ..] = HOUSE;
     let [[z0, z1], [y0, y1]] = WINDOW;
     let corner = dvec3(-a, y0, z0);
     let polygon = receive::rectangle(corner, DVec3::Z * (z1 - z0), DVec3::Y * (y1 - y0));
-    // Behind the middle of the glass, facing outward: as on all of it, since nothing stands before it.
-    let behind = corner + dvec3(1e-3, 0.5 * (y1 - y0), 0.5 * (z1 - z0));
-    let fineness = Fineness {
-        patches: 1,
-        ..Fineness::new(Quality::Preview, &[])
-    };
+    // Facing outward: as on all of it, since nothing stands before it.
+    let behind = corner + dvec3(1e-4, 0.5 * (y1 - y0), 0.5 * (z1 - z0));
     let behind = Year::new(
         &black.base,
         vec![at(behind, DVec3::NEG_X)],
-        &fineness,
+        fineness,
         Task::unwatched(),
     );
     let behind = behind.expect("it works");
@@ -271,20 +266,53 @@ fn a_closed_blind_is_a_matt_window_or_none() {
         count += 1;
         let mut sums = [0.0; 2];
         for (sensor, receiver) in sensors()[..12].iter().enumerate() {
-            let by_hand = tau * on_blind[0] * form_factor(receiver, &polygon);
+            let scattered = shade.transmittance * on_blind[0] * form_factor(receiver, &polygon);
+            let by_hand = scattered + shade.openness * black.table.at(number, sensor);
             let found = black.operated.table.at(number, sensor);
             sums[0] += found;
             sums[1] += by_hand;
+            // Outlines of the window are uncertain by a share of all light of a sensor.
             assert!(
-                (found / by_hand - 1.0).abs() < 0.06,
+                (found / by_hand - 1.0).abs() < 0.02,
                 "sensor {sensor}: {found} {by_hand}"
             );
         }
         let mean = sums[0] / sums[1] - 1.0;
-        eprintln!("hour {number}: off by {:.2} % on the mean", 100.0 * mean);
-        assert!(mean.abs() < 0.02, "{mean}");
+        eprintln!(
+            "openness {}, hour {number}: off by {:.2} % on the mean",
+            shade.openness,
+            100.0 * mean
+        );
+        assert!(mean.abs() < 0.005, "{mean}");
     }
     assert!(count >= 2, "{count} hours");
+}
+
+/// What a closed blind lets through wholly is as if it were open; what it scatters comes from a window that is matt.
+#[test]
+fn a_closed_blind_is_a_matt_window_or_none() {
+    let mut scene = two_rooms(0.5);
+    scene.shades = vec![shade("west", 0.0, 1.0, 0.0)];
+    let open = run(scene, 97);
+    assert!(open.operated.hours(0) >= 2);
+    assert_eq!(open.operated.table.total, open.table.total);
+    // That the eastern window has no blind is said.
+    let metrics = Metrics::new(&open.table, &[0.02; 24]).with_blinds(&open.operated);
+    let figures = metrics.figures(&[0], &[1.0; 24]);
+    let sda = figures.iter().find(|figure| figure.key == "sda");
+    let sda = sda.expect("a figure");
+    assert!(sda.method.contains("windows of east have no blinds"));
+    assert!(sda.verdict.contains("some windows without blinds"));
+
+    let close = fineness(&[("radiosity.rays", 784.0), ("radiosity.outline", 0.001)]);
+    let mut scene = two_rooms(0.0);
+    scene.ground.albedo = 0.0;
+    for (transmittance, openness) in [(0.2, 0.3), (0.3, 0.0)] {
+        let own = shade("west", transmittance, openness, 0.0);
+        scene.shades = vec![own.clone()];
+        is_matt(&run_by(scene.clone(), 97, &close), &own, &close);
+    }
+    let black = run(scene.clone(), 97);
     // Between white walls there is more of it: it is sent on, though nothing else gives light there.
     let mut grey = scene;
     for (number, material) in grey.materials.iter_mut().enumerate() {
@@ -371,18 +399,33 @@ fn blinds_are_read_from_the_scene_file() {
     }
     closed.shades = vec![shade("between", 0.1, 0.0, 0.5)];
     let hang = |scene: &Scene| Blinds::new(scene, &tyndall::scene::Geometry::new(scene));
-    assert!(hang(&scene).is_ok());
+    assert_eq!(hang(&scene).expect("it hangs").open, ["east"]);
     let error = hang(&closed).err().expect("it leads nowhere").to_string();
     assert!(error.contains("between"), "{error}");
 }
 
 /// A wall as high and as wide as that before the eastern window, so far from it.
-fn with_wall(mut scene: Scene, distance: f64, height: f64) -> Scene {
+fn with_wall(scene: Scene, distance: f64, height: f64) -> Scene {
     let x = HOUSE[0] + distance;
     let corners = quad(dvec3(x, 0.0, -100.0), DVec3::Z * 200.0, DVec3::Y * height);
-    for corners in corners {
+    with(scene, &corners)
+}
+
+/// The reveals beside the eastern window, so deep before the glass.
+fn with_reveals(scene: Scene, depth: f64) -> Scene {
+    let [[z0, z1], [y0, y1]] = WINDOW;
+    let reveal = |z: f64| {
+        let corner = dvec3(HOUSE[0], y0, z);
+        quad(corner, DVec3::X * depth, DVec3::Y * (y1 - y0))
+    };
+    with(with(scene, &reveal(z0)), &reveal(z1))
+}
+
+/// More triangles of the walls' material.
+fn with(mut scene: Scene, triangles: &[Corners]) -> Scene {
+    for corners in triangles {
         let first = scene.mesh.positions.len() as u32;
-        scene.mesh.positions.extend(corners);
+        scene.mesh.positions.extend(*corners);
         scene.mesh.normals.extend([DVec3::ZERO; 3]);
         scene.mesh.uvs.extend([glam::DVec2::ZERO; 3]);
         scene.mesh.triangles.push(tyndall::scene::Triangle {
@@ -395,12 +438,19 @@ fn with_wall(mut scene: Scene, distance: f64, height: f64) -> Scene {
 
 #[test]
 fn a_view_is_as_wide_and_as_far_as_its_angles_say() {
-    let views = |scene: &Scene| {
+    let views_on = |scene: &Scene, grids: &[&str]| {
         let conditions = receive::conditions(scene.clone(), &sensors());
-        let spec = GridSpec::parse("plane=0.8,spacing=1").expect("it can be read");
-        let grid = Sensors::new(scene, &conditions.geometry, &[spec]).expect("there are floors");
-        let found = Views::new(&conditions, &grid);
-        (grid, found)
+        let specs = grids.iter().map(|spec| GridSpec::parse(spec));
+        let specs: Vec<GridSpec> = specs.map(|spec| spec.expect("it can be read")).collect();
+        let grid = Sensors::new(scene, &conditions.geometry, &specs).expect("there are floors");
+        let found = Views::new(&conditions, &grid, Task::unwatched());
+        (grid, found.expect("it works"))
+    };
+    let views = |scene: &Scene| views_on(scene, &["plane=0.8,spacing=1"]);
+    let table_of = |views: &Views| Table {
+        hours: 8760,
+        points: views.points.len(),
+        ..Table::default()
     };
     let open = two_rooms(0.5);
     for (height, layers) in [(5.0, 3.0), (60.0, 2.0)] {
@@ -429,6 +479,40 @@ fn a_view_is_as_wide_and_as_far_as_its_angles_say() {
     let (_, near) = views(&with_wall(open.clone(), 0.5, 60.0));
     assert_eq!(near.unknown, [None, None]);
     assert!(near.points.iter().all(|view| view.layers == 0.0));
+    // Reveals, which end some of the level view, are nothing either.
+    let (_, reveals) = views(&with_reveals(open.clone(), 0.3));
+    assert!(reveals.unknown[0].is_none() && reveals.unknown[1].is_some());
+    assert!(reveals.points.iter().all(|view| view.layers.is_nan()));
+    // Of a desk's top no view is told, while floors have theirs.
+    let desk = quad(dvec3(0.5, 0.7, 1.0), 0.8 * DVec3::Z, 0.5 * DVec3::X);
+    let mut with_desk = with(with_wall(open.clone(), 10.0, 5.0), &desk);
+    let material = with_desk.materials.len() as u32;
+    with_desk
+        .materials
+        .push(Material::of("desk", DVec3::splat(0.5)));
+    let last = with_desk.mesh.triangles.len() - 2;
+    for triangle in &mut with_desk.mesh.triangles[last..] {
+        triangle.material = material;
+    }
+    let (grid, both) = views_on(
+        &with_desk,
+        &["plane=0.8,spacing=1", "plane=0.05,spacing=0.5,surface=desk"],
+    );
+    assert_eq!(both.unknown, [None, None]);
+    let metrics = Metrics::new(&table_of(&both), &[]).with_views(&both);
+    for (number, plane) in grid.planes.iter().enumerate() {
+        let of_plane = |point: &usize| grid.points[*point].plane == number;
+        let own: Vec<usize> = (0..grid.points.len()).filter(of_plane).collect();
+        let figures = metrics.figures(&own, &vec![1.0; grid.points.len()]);
+        let found = figures.iter().find(|f| f.key == "view_minimum_angle");
+        let found = found.expect("a figure");
+        assert_eq!(found.value.is_some(), plane.is_over_floor);
+        assert_eq!(
+            found.verdict.contains("not above a floor"),
+            !plane.is_over_floor
+        );
+    }
+    assert!(grid.planes.iter().any(|plane| !plane.is_over_floor));
     let (_, alone) = views(&open);
     assert!(alone.unknown[0].is_none() && alone.unknown[1].is_some());
     assert!(
@@ -445,12 +529,7 @@ fn a_view_is_as_wide_and_as_far_as_its_angles_say() {
     let (_, none) = views(&holes);
     assert!(none.unknown[0].is_some_and(|why| why.contains("no pane")));
     // The figures: the angle is assessed, the rest is not.
-    let table = Table {
-        hours: 8760,
-        points: alone.points.len(),
-        ..Table::default()
-    };
-    let metrics = Metrics::new(&table, &[]).with_views(&alone);
+    let metrics = Metrics::new(&table_of(&alone), &[]).with_views(&alone);
     let all: Vec<usize> = (0..alone.points.len()).collect();
     let figures = metrics.figures(&all, &vec![1.0; all.len()]);
     let of = |key: &str| figures.iter().find(|f| f.key == key).expect("a figure");

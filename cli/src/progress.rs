@@ -60,7 +60,13 @@ impl Bar {
 
     /// Shows what is being done, and how much of it is; what is left of it is found by how long that took.
     pub fn step(&self, step: Step) {
-        self.take(step.stage, step.share, true);
+        match step.turn {
+            None => self.take(step.stage, step.share, true),
+            Some([turn, of]) => {
+                let words = format!("{}, {turn} of {of}", step.stage);
+                self.take(&words, step.share, true);
+            }
+        }
     }
 
     /// Shows what is being done in words that say how long it will take, and how much of the whole is done, 0 to 1.
@@ -247,7 +253,13 @@ mod tests {
         let bar = Bar::Lines(Lines::new(every, Spoke::default(), move |line| {
             heard.lock().unwrap().push(line.to_owned());
         }));
-        let step = |stage, share| bar.step(Step { stage, share });
+        let step = |stage, share| {
+            bar.step(Step {
+                stage,
+                share,
+                turn: None,
+            });
+        };
         step("the picture", 0.0);
         step("the picture", 0.25);
         let count = || said.lock().unwrap().len();

@@ -26,7 +26,7 @@ use crate::task::Task;
 use crate::warning::Warning;
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -59,6 +59,8 @@ pub struct Blinds {
     groups: Vec<Group>,
     /// How far behind its pane a blind hangs [m].
     lift: f64,
+    /// The materials of outer panes that are in no group, where there are groups: they stay open.
+    pub open: Vec<String>,
     /// What hangs nowhere.
     pub warnings: Vec<Warning>,
 }
@@ -72,14 +74,18 @@ impl Blinds {
         let mut blinds = Blinds {
             groups: Vec::new(),
             lift: BEHIND * geometry.extent(),
+            open: Vec::new(),
             warnings: Vec::new(),
         };
+        let mut grouped: HashSet<u32> = HashSet::new();
+        let mut shaded: Vec<Sheet> = Vec::new();
         for shade in &scene.shades {
             let panes = shade
                 .windows
                 .iter()
                 .flat_map(|name| scene.panes_named(name));
             let panes: Vec<u32> = panes.collect();
+            grouped.extend(panes.iter().copied());
             let (found, inner) = sheets(scene, geometry, &panes);
             if found.is_empty() {
                 return Err(Error::input(
@@ -121,6 +127,21 @@ impl Blinds {
                 }
             }
             blinds.groups.push(group);
+            shaded.extend(found);
+        }
+        if let Some(panes) = geometry.panes().filter(|_| !blinds.is_empty()) {
+            let others = panes.triangles().iter().copied();
+            let others: Vec<u32> = others.filter(|pane| !grouped.contains(pane)).collect();
+            let (others, _) = sheets(scene, geometry, &others);
+            // Another pane of a window with a blind is shaded too.
+            let is_open = |sheet: &&Sheet| !shaded.iter().any(|own: &Sheet| own.is_over(sheet));
+            for sheet in others.iter().filter(is_open) {
+                let first = scene.mesh.triangles[sheet.triangles[0] as usize];
+                let name = &scene.materials[first.material as usize].name;
+                if !blinds.open.contains(name) {
+                    blinds.open.push(name.clone());
+                }
+            }
         }
         Ok(blinds)
     }
@@ -188,6 +209,8 @@ pub struct Operated {
     pub table: Table,
     /// Of each group its name, and for each lit hour of the table whether it is closed then.
     pub groups: Vec<(String, Vec<bool>)>,
+    /// The materials of outer panes without blinds.
+    pub open: Vec<String>,
 }
 
 impl Operated {
@@ -200,6 +223,8 @@ impl Operated {
 
 /// Blinds at work: what was found for a set of closed groups serves other years of the same model too.
 pub struct Operator<'a> {
+    /// Whether that is kept for them: memory for each set that occurs.
+    pub keeps: bool,
     blinds: &'a Blinds,
     year: &'a Year,
     rooms: Rooms<'a>,
@@ -234,6 +259,7 @@ impl<'a> Operator<'a> {
             conditions.seen_from(View::of_points(rooms.sensors))
         });
         Ok(Operator {
+            keeps: true,
             without: without.collect::<Result<_>>()?,
             blinds,
             year,
@@ -269,7 +295,9 @@ impl<'a> Operator<'a> {
             by_state.entry(*state).or_default().push(number);
         }
         let mut with = table.clone();
-        for (state, numbers) in by_state {
+        let of = by_state.len();
+        for (turn, (state, numbers)) in (1..).zip(by_state) {
+            let task = task.turn(turn, of);
             self.prepare(state, task)?;
             let Some(shaded) = self.closed.get(&state) else {
                 continue;
@@ -287,6 +315,9 @@ impl<'a> Operator<'a> {
             for (number, row) in numbers.iter().zip(rows?) {
                 with.total[number * points..(number + 1) * points].copy_from_slice(&row);
             }
+            if !self.keeps {
+                self.closed.remove(&state);
+            }
         }
         let groups = self.blinds.groups.iter().enumerate().map(|(bit, group)| {
             let closed = states.iter().map(|state| state & (1 << bit) != 0);
@@ -295,24 +326,15 @@ impl<'a> Operator<'a> {
         Ok(Operated {
             table: with,
             groups: groups.collect(),
+            open: self.blinds.open.clone(),
         })
     }
 
     /// The groups that are closed in an hour.
     fn closed_in(&self, hour: &Hour, number: usize, table: &Table) -> Closed {
-        let (least, share) = CLOSES;
-        let planes = self.rooms.planes.iter().max().map_or(0, |last| last + 1);
-        let is_too_much = |sunny: &dyn Fn(usize) -> bool| {
-            let mut parts = vec![[0.0; 2]; planes];
-            for (sensor, plane) in self.rooms.planes.iter().enumerate() {
-                let area = self.rooms.areas[sensor];
-                parts[*plane][0] += area;
-                parts[*plane][1] += if sunny(sensor) { area } else { 0.0 };
-            }
-            parts.iter().any(|[all, sunny]| *sunny > share * all)
-        };
+        let (least, _) = CLOSES;
         let sun = |sensor: usize| table.sun_at(number, sensor);
-        if !is_too_much(&|sensor| sun(sensor) >= least) {
+        if !is_too_much(&self.rooms, |sensor| sun(sensor) >= least) {
             return 0;
         }
         let mut closed = 0;
@@ -331,7 +353,7 @@ impl<'a> Operator<'a> {
                     *through = sun(sensor) - rest >= least;
                 }
             }
-            if is_too_much(&|sensor| through[sensor]) {
+            if is_too_much(&self.rooms, |sensor| through[sensor]) {
                 closed |= 1 << bit;
             }
         }
@@ -362,6 +384,18 @@ impl<'a> Operator<'a> {
     }
 }
 
+/// Whether more of the plane of any room than may be is sunny.
+fn is_too_much(rooms: &Rooms<'_>, is_sunny: impl Fn(usize) -> bool) -> bool {
+    let (_, share) = CLOSES;
+    let planes = rooms.planes.iter().max().map_or(0, |last| last + 1);
+    let mut parts = vec![[0.0f64; 2]; planes];
+    for (sensor, (plane, area)) in rooms.planes.iter().zip(rooms.areas).enumerate() {
+        parts[*plane][0] += *area;
+        parts[*plane][1] += if is_sunny(sensor) { *area } else { 0.0 };
+    }
+    parts.iter().any(|[all, sunny]| *sunny > share * all)
+}
+
 impl Shaded {
     /// What the sensors receive in an hour [lx].
     fn hour(&self, hour: &Hour, points: usize) -> Vec<f64> {
@@ -382,5 +416,35 @@ impl Shaded {
         }
         all.truncate(points);
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A room of 75 m2 with two sensors of one square metre, and one of 100 m2: each square metre is 1.3 % of its room and 0.6 % of the
+    /// house.
+    #[test]
+    fn more_than_two_percent_of_any_room_are_too_much() {
+        let (areas, planes) = ([1.0, 1.0, 73.0, 2.0, 98.0], [0, 0, 0, 1, 1]);
+        let rooms = Rooms {
+            sensors: &[],
+            areas: &areas,
+            planes: &planes,
+        };
+        for (sunny, closes) in [
+            (vec![], false),
+            (vec![0], false),
+            (vec![0, 1], true),
+            (vec![2], true),
+            // Two percent are not more than two percent, and rooms do not add up.
+            (vec![3], false),
+            (vec![0, 3], false),
+            (vec![1, 4], true),
+        ] {
+            let found = is_too_much(&rooms, |sensor| sunny.contains(&sensor));
+            assert_eq!(found, closes, "{sunny:?}");
+        }
     }
 }

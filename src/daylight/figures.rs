@@ -99,7 +99,11 @@ impl Metrics {
     }
 
     fn by_view(&self, all: &mut Vec<Figure>, part: &Part<'_>) {
-        let [no_angle, no_rest] = self.unknown_view;
+        // Of all planes together those count that have a view.
+        let told = part(&|p| !p.sight_deg.is_nan());
+        let part = |is: &dyn Fn(&ByPoint) -> bool| part(is) / told;
+        let no_floor = (told == 0.0).then_some(view::NO_FLOOR);
+        let [no_angle, no_rest] = self.unknown_view.map(|why| why.or(no_floor));
         let asked = format!("asked on {:.0} %", 100.0 * view::ON_PLANE);
         let mut add = |key: &str, name: &str, unknown: Option<&str>, share: f64, how: String| {
             let is_enough = share >= view::ON_PLANE - 0.01 * SLACK;
@@ -194,12 +198,23 @@ impl Metrics {
             "while more than {:.0} % of the plane of any room get {least} lx or more of direct sun through the group",
             100.0 * share
         );
+        let open = match self.open.as_slice() {
+            [] => String::new(),
+            names => format!(
+                "; windows of {} have no blinds and are open all the year, which the standard does not know",
+                names.join(", ")
+            ),
+        };
         all.push(autonomy(
             "sda",
             "sDA300/50%",
             |p| p.da300_blinds_pct,
-            "",
-            &format!("blinds are closed group by group, {rule}"),
+            if open.is_empty() {
+                ""
+            } else {
+                ", some windows without blinds"
+            },
+            &format!("blinds are closed group by group, {rule}{open}"),
         ));
         all.push(autonomy(
             "sda_no_blinds",

@@ -84,7 +84,11 @@ pub fn planes(scene: &Scene, geometry: &Geometry, spec: &GridSpec) -> Result<Vec
             u: DVec3::X,
             v: DVec3::NEG_Z,
         };
-        divided(&name, &area.outline, &band, &frame, spec)
+        let plane = divided(&name, &area.outline, &band, &frame, spec)?;
+        Some(Plane {
+            is_over_floor: true,
+            ..plane
+        })
     });
     Ok(planes.collect())
 }
@@ -376,6 +380,7 @@ fn divided(
         u,
         v,
         above: spec.plane,
+        is_over_floor: false,
         step: [size.x / cells[0], size.y / cells[1]],
         cells: cells.map(|c| c as u32),
         outline,

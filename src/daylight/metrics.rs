@@ -122,6 +122,8 @@ pub struct Metrics {
     pub median_diffuse: f64,
     /// The groups of windows that have blinds, and the occupied hours in which each is closed.
     pub blinds: Vec<(String, usize)>,
+    /// The materials of outer panes that have none, where others have.
+    pub open: Vec<String>,
     /// Why the view's angle, and why its distance and layers are not assessed, where they are not.
     pub unknown_view: [Option<&'static str>; 2],
 }
@@ -185,6 +187,7 @@ impl Metrics {
             daylight,
             median_diffuse: half(diffuse.collect(), daylight),
             blinds: Vec::new(),
+            open: Vec::new(),
             unknown_view: [Some("it was not looked for"); 2],
         }
     }
@@ -213,6 +216,7 @@ impl Metrics {
         let names = operated.groups.iter().map(|(name, _)| name.clone());
         let closed = names.zip((0..).map(|group| operated.hours(group)));
         self.blinds = closed.collect();
+        self.open.clone_from(&operated.open);
         self
     }
 }

@@ -111,11 +111,8 @@ fn among(scene: &Scene, geometry: &Geometry, triangles: &[u32], spec: &GridSpec)
         };
         let is_over = |other: &Plane| {
             let way = middle(&plane) - middle(other);
-            let across = way.dot(other.normal());
-            let aside = (way - across * other.normal()).length();
-            plane.normal().dot(other.normal()).abs() > FLAT
-                && across.abs() < BEHIND
-                && aside < 0.1 * plane.outline.area().sqrt()
+            let normals = [other.normal(), plane.normal()];
+            lie_over(way, normals, plane.outline.area())
         };
         if !found.planes.iter().any(is_over) {
             if !has_floor {
@@ -272,12 +269,15 @@ impl Sheet {
     /// Whether another lies before it or behind it: panes of one opening.
     pub fn is_over(&self, other: &Sheet) -> bool {
         let way = other.centre - self.centre;
-        let across = way.dot(self.outward);
-        let aside = (way - across * self.outward).length();
-        self.outward.dot(other.outward).abs() > FLAT
-            && across.abs() < BEHIND
-            && aside < 0.1 * self.area.sqrt()
+        lie_over(way, [self.outward, other.outward], self.area)
     }
+}
+
+/// Whether two panes lie one before the other, by the way between their middles [m], their normals and the area of one [m2].
+fn lie_over(way: DVec3, [normal, other]: [DVec3; 2], area: f64) -> bool {
+    let across = way.dot(normal);
+    let aside = (way - across * normal).length();
+    normal.dot(other).abs() > FLAT && across.abs() < BEHIND && aside < 0.1 * area.sqrt()
 }
 
 /// Those of some panes that lead outside, sheet by sheet, and how many sheets lead nowhere. Edges of panes that are boxes are left out.
@@ -365,6 +365,7 @@ fn opening(
         u,
         v,
         above: -spec.plane,
+        is_over_floor: false,
         step: (2.0 * half).to_array(),
         cells: [1, 1],
         whole: moved(&outline),

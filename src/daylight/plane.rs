@@ -17,6 +17,8 @@ pub struct Plane {
     pub v: DVec3,
     /// Height above the floor, or distance in front of the surface [m].
     pub above: f64,
+    /// Whether it lies over a floor, where people are.
+    pub is_over_floor: bool,
     /// Distances between columns and between rows [m].
     pub step: [f64; 2],
     /// How many columns and rows there are.

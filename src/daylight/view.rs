@@ -7,14 +7,17 @@
 //! - *Outside distance*: from the pane to what stands there, of level directions that lead out; the median, so that half of the level
 //!   view reaches at least so far. No farther than [`FAR`] is told.
 //! - *Layers*: sky; landscape, which is what stands [`NEAREST`] or more from the pane; ground, which is the endless one or a level face at
-//!   about its height. Those of the opening that shows most of them.
+//!   about its height: without a ground that of the scene's lowest point. Those of the opening that shows most of them.
 //!
-//! Distance and layers are not assessed where the model has nothing outside: no level view ends at anything, and there is no landscape.
+//! Distance and layers are not assessed where the model has nothing outside: there is no landscape, and most of the level view through each
+//! opening ends at nothing, seen from all sensors together. A reveal, which ends some of it, is nothing.
 
 use super::grid::Sensors;
 use super::opening::sheets;
 use crate::conditions::Conditions;
+use crate::error::Result;
 use crate::scene::Ray;
+use crate::task::Task;
 use crate::units::DEG;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -38,6 +41,9 @@ pub const FAR: f64 = 1000.0;
 
 /// What is nearer to the pane is no landscape [m].
 pub const NEAREST: f64 = 6.0;
+
+/// Why a plane has no view.
+pub const NO_FLOOR: &str = "sensors are on surfaces, not above a floor";
 
 /// Faces so far above the ground at most are ground [m].
 const GROUND: f64 = 0.5;
@@ -70,6 +76,29 @@ pub struct Views {
     pub unknown: [Option<&'static str>; 2],
 }
 
+/// What stands outside of openings.
+#[derive(Default)]
+struct Outside {
+    has_landscape: bool,
+    /// Of each opening the level directions that end at something, and all of them.
+    level: HashMap<u32, [usize; 2]>,
+}
+
+impl Outside {
+    fn add(&mut self, other: &Outside) {
+        self.has_landscape |= other.has_landscape;
+        for (opening, [ended, all]) in &other.level {
+            let own = self.level.entry(*opening).or_default();
+            own[0] += ended;
+            own[1] += all;
+        }
+    }
+
+    fn is_something(&self) -> bool {
+        self.has_landscape || self.level.values().any(|[ended, all]| 2 * ended > *all)
+    }
+}
+
 /// What one direction that leads out shows.
 struct Seen {
     opening: u32,
@@ -78,8 +107,11 @@ struct Seen {
 }
 
 impl Views {
-    /// Those from the sensors of level planes of a scene.
-    pub fn new(conditions: &Conditions, sensors: &Sensors) -> Self {
+    /// Those from the sensors above the floors of a scene.
+    ///
+    /// # Errors
+    /// [`crate::Error::Stopped`] when the work was stopped.
+    pub fn new(conditions: &Conditions, sensors: &Sensors, task: Task<'_>) -> Result<Self> {
         let Conditions {
             scene, geometry, ..
         } = conditions;
@@ -91,61 +123,59 @@ impl Views {
             let own = sheet.triangles.iter();
             opening_of.extend(own.map(|triangle| (*triangle, (number, sheet.outward))));
         }
-        let found: Vec<(Option<View>, bool)> = (sensors.points.par_iter())
+        let pieces = task.stage("view out").pieces(sensors.points.len());
+        let found: Result<Vec<Option<(View, Outside)>>> = (sensors.points.par_iter())
             .map(|sensor| {
+                pieces.begin()?;
                 let plane = &sensors.planes[sensor.plane];
-                let is_told = plane.is_level() && !opening_of.is_empty();
+                let is_told = plane.is_over_floor && !opening_of.is_empty();
                 let eye = sensor.receiver.position + (EYES - plane.above) * DVec3::Y;
-                match is_told {
-                    true => {
-                        let (view, is_something) = view(conditions, &opening_of, eye);
-                        (Some(view), is_something)
-                    }
-                    false => (None, false),
-                }
+                Ok(is_told.then(|| view(conditions, &opening_of, eye)))
             })
             .collect();
-        let is_something = found.iter().any(|(_, is)| *is);
-        let points = found.iter().map(|(view, _)| match (view, is_something) {
+        let found = found?;
+        let mut outside = Outside::default();
+        for (_, own) in found.iter().flatten() {
+            outside.add(own);
+        }
+        let is_something = outside.is_something();
+        let points = found.iter().map(|found| match (found, is_something) {
             (None, _) => View {
                 sight_deg: f64::NAN,
                 distance: f64::NAN,
                 layers: f64::NAN,
             },
-            (Some(view), true) => *view,
-            (Some(view), false) => View {
+            (Some((view, _)), true) => *view,
+            (Some((view, _)), false) => View {
                 distance: f64::NAN,
                 layers: f64::NAN,
                 ..*view
             },
         });
-        let angle = match (
-            opening_of.is_empty(),
-            found.iter().all(|(v, _)| v.is_none()),
-        ) {
+        let angle = match (opening_of.is_empty(), found.iter().all(Option::is_none)) {
             (true, _) => Some("no pane leads outside ([[pane]] makes a material glass)"),
-            (_, true) => Some("sensors are on surfaces, not above a floor"),
+            (_, true) => Some(NO_FLOOR),
             _ => None,
         };
         let beyond = "the model has nothing outside of its windows";
-        Views {
+        Ok(Views {
             points: points.collect(),
             unknown: [angle, angle.or((!is_something).then_some(beyond))],
-        }
+        })
     }
 }
 
-/// The view of an eye, and whether anything stands outside of it.
+/// The view of an eye, and what stands outside of it.
 fn view(
     conditions: &Conditions,
     opening_of: &HashMap<u32, (u32, DVec3)>,
     eye: DVec3,
-) -> (View, bool) {
+) -> (View, Outside) {
     let (steps, step) = ELEVATIONS;
     let mut wide = 0;
     let mut distances = Vec::new();
     let mut layers: HashMap<u32, u8> = HashMap::new();
-    let mut is_something = false;
+    let mut outside = Outside::default();
     for azimuth in 0..AZIMUTHS {
         let azimuth = (f64::from(azimuth) + 0.5) / f64::from(AZIMUTHS) * std::f64::consts::TAU;
         let mut leads_out = false;
@@ -160,9 +190,11 @@ fn view(
             };
             leads_out = true;
             *layers.entry(seen.opening).or_default() |= seen.layer;
-            is_something |= seen.layer == LANDSCAPE;
+            outside.has_landscape |= seen.layer == LANDSCAPE;
             if k == 0 {
-                is_something |= seen.distance.is_finite();
+                let level = outside.level.entry(seen.opening).or_default();
+                level[0] += usize::from(seen.distance.is_finite());
+                level[1] += 1;
                 distances.push(seen.distance.min(FAR));
             }
         }
@@ -179,7 +211,7 @@ fn view(
         distance: distances.get(distances.len() / 2).copied().unwrap_or(0.0),
         layers: f64::from(layers),
     };
-    (view, is_something)
+    (view, outside)
 }
 
 /// What a direction shows, if it leads out.
@@ -198,8 +230,11 @@ fn look(
     if hit.is_some_and(|hit| hit.distance < pane) {
         return None;
     }
-    let lowest = geometry.bounds().0.y;
-    let ground = conditions.ground.map_or(lowest, |ground| ground.height);
+    let lowest = || geometry.bounds().0.y;
+    let ground = match conditions.ground {
+        Some(ground) => ground.height,
+        None => (conditions.scene.ground.height).unwrap_or_else(lowest),
+    };
     let (distance, layer) = match hit {
         Some(hit) => {
             let distance = hit.distance - pane;

@@ -106,7 +106,8 @@ impl Coefficients {
     ) -> Result<Self> {
         let channels = if is_grey(transport) { 1 } else { 3 };
         let (skies, patches) = (transport.dome.len(), transport.patches.all.len());
-        let cells = (skies + patches).saturating_mul(points.len() * channels);
+        let sources = skies + patches + emitters.len();
+        let cells = sources.saturating_mul(points.len() * channels);
         memory::check("the daylight coefficients", 8 * cells as u64)?;
         let blocks: Vec<&[Receiver]> = points.chunks(TOGETHER).collect();
         let pieces = task.pieces(blocks.len());
@@ -198,7 +199,7 @@ impl Coefficients {
 
     /// Memory that they take [bytes].
     pub fn bytes(&self) -> usize {
-        4 * (self.sky.len() + self.surfaces.len()) + 32 * self.tiles.len()
+        4 * (self.sky.len() + self.surfaces.len() + self.emitted.len()) + 32 * self.tiles.len()
     }
 
     /// What points see of the tiles of a patch, from coarse ones to fine.

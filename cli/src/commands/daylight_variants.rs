@@ -110,6 +110,12 @@ pub fn variants<'a>(
     Ok(all)
 }
 
+/// The shard, from 0, of a variant by its place among all: neighbours are together, so that each glazing lies in as few shards as can be.
+pub fn shard_of(place: usize, variants: usize, shards: u64) -> u64 {
+    let share = place as u128 * u128::from(shards) / variants.max(1) as u128;
+    share as u64
+}
+
 /// The name of a file without folder and ending.
 fn stem(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default();
@@ -124,7 +130,7 @@ pub struct Done {
     pub weather: String,
     /// The azimuth that the scene's -Z axis faces [degrees].
     pub north_deg: f64,
-    /// What it took once who sees whom was known [s].
+    /// What it took once who sees whom was known without blinds [s].
     pub seconds: f64,
     /// What is told of it.
     pub report: Report,
@@ -156,7 +162,7 @@ pub fn table(all: &[Done]) -> String {
             text.push('\n');
         }
     }
-    text += "mean lx: over the plane and the occupied hours, 8 to 18 o'clock; s: seconds of work for the hours\n";
+    text += "mean lx: over the plane and the occupied hours, 8 to 18 o'clock; s: seconds of work for the hours, and for sets of closed blinds that no variant before had\n";
     text
 }
 
@@ -182,4 +188,29 @@ pub fn csv(all: &[Done]) -> String {
 pub fn json(all: &[Done]) -> Value {
     let variant = |done: &Done| json!({"variant": done.tag, "weather": done.weather, "north_degrees": done.north_deg, "seconds": done.seconds, "report": done.report});
     json!({"schema": 1, "variants": all.iter().map(variant).collect::<Vec<_>>()})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_share_glazings_as_little_as_can_be() {
+        // Four glazings, each with six variants: of so many shards each has so many glazings at most.
+        let (glazings, each) = (4, 6);
+        let all = glazings * each;
+        for (shards, most) in [(1, 4), (2, 2), (4, 1), (8, 1), (24, 1), (3, 2), (100, 1)] {
+            let mut count = 0;
+            for shard in 0..shards {
+                let own = (0..all).filter(|place| shard_of(*place, all, shards) == shard);
+                let own: Vec<usize> = own.collect();
+                count += own.len();
+                let mut of: Vec<usize> = own.iter().map(|place| place / each).collect();
+                of.dedup();
+                assert!(of.len() <= most, "{shard} of {shards}: {own:?}");
+                assert!(own.len() as u64 <= (all as u64).div_ceil(shards));
+            }
+            assert_eq!(count, all, "each is in one of {shards}");
+        }
+    }
 }

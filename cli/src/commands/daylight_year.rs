@@ -77,7 +77,7 @@ pub struct YearArgs {
     /// With --weather: other glass, MATERIAL=TRANSMITTANCE at normal incidence, all panes together; repeat it to compare glazings
     #[arg(long, value_name = "MATERIAL=T,...", requires = "weather", conflicts_with = "sun_hours", value_parser = glazing)]
     glazing: Vec<Glazing>,
-    /// With --weather: only the variants of shard I of N, which are dealt out by turns, for clusters
+    /// With --weather: only the variants of shard I of N, for clusters: neighbours in the order of glazings, files, turns
     #[arg(long, value_name = "I/N", requires = "weather", conflicts_with = "sun_hours", value_parser = shard)]
     shard: Option<Shard>,
     /// With --weather: how finely the sky is divided: 1 (145 patches), 2 (577) or 4 (2305)
@@ -109,7 +109,7 @@ pub struct YearArgs {
     /// With --weather: the ground has the mean albedo of the weather file, not the scene's
     #[arg(long, requires = "weather", conflicts_with = "sun_hours")]
     weather_albedo: bool,
-    /// With --weather: what a map shows, a column of the table [default: da300_pct]
+    /// With --weather: what a map shows, a column of the table [default: da300_blinds_pct, without blinds da300_pct]
     #[arg(
         long,
         value_name = "COLUMN",
@@ -233,8 +233,12 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
     let files = files?;
     let mut variants = variants(&files, &args.turn, &args.glazing)?;
     if let Some(shard) = args.shard {
-        let mut places = 0..;
-        variants.retain(|_| places.next().is_some_and(|place| shard.holds(place)));
+        let all = variants.len();
+        let mut places = 0..all;
+        variants.retain(|_| {
+            let place = places.next().unwrap_or(0);
+            daylight_variants::shard_of(place, all, shard.of) == shard.number - 1
+        });
         if variants.is_empty() {
             tell::line(
                 "shard",
@@ -256,6 +260,14 @@ pub fn run(args: &YearArgs, asked: &Asked) -> Result<()> {
     of_year(args, asked, scene, &variants)
 }
 
+/// The column of autonomy: where there are blinds it is with them.
+fn autonomy(has_blinds: bool) -> &'static str {
+    match has_blinds {
+        true => "da300_blinds_pct",
+        false => "da300_pct",
+    }
+}
+
 /// Where the figures go that belong to a table of sensors.
 fn figures_file(sensors: &Path) -> PathBuf {
     sensors.with_extension("figures.csv")
@@ -270,7 +282,8 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         begin = Instant::now();
         seconds
     };
-    let show = args.show.as_deref().unwrap_or("da300_pct");
+    let usual = autonomy(!scene.shades.is_empty());
+    let show = args.show.as_deref().unwrap_or(usual);
     let column = ByPoint::NAMES.iter().position(|name| *name == show);
     let column = column.ok_or_else(|| {
         Error::input(
@@ -280,6 +293,9 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         )
     })?;
     let Some(Variant { file: first, .. }) = variants.first() else {
+        if As::table_or(asked.form) == As::Json {
+            stdout::print_json(&daylight_variants::json(&[]))?;
+        }
         return Ok(());
     };
     if args.weather_albedo {
@@ -299,8 +315,10 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
     let site = scene.site.clone();
     let overrules = asked.plan.overrules();
     // What is wrong with a glazing or a blind is said before the work begins.
-    let mut models = Vec::new();
-    for number in 0..args.glazing.len().max(1) {
+    for glazing in &args.glazing {
+        glazing.put(&mut scene.clone())?;
+    }
+    let model = |number: usize| -> Result<(Conditions, Blinds)> {
         let mut scene = scene.clone();
         if let Some(glazing) = args.glazing.get(number) {
             glazing.put(&mut scene)?;
@@ -308,11 +326,11 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         let mut conditions = year::conditions(scene, &asked.scene.request(), first)?;
         let blinds = Blinds::new(&conditions.scene, &conditions.geometry)?;
         conditions.warnings.extend(blinds.warnings.iter().cloned());
-        models.push((conditions, blinds));
-    }
-    let Some((conditions, _)) = models.first() else {
-        return Ok(());
+        Ok((conditions, blinds))
     };
+    // Sensors and views are those of the first glazing, whichever shard this is.
+    let common = model(0)?;
+    let conditions = &common.0;
     // Knobs that do not exist are told.
     Plan::new(conditions, &overrules)?;
     let sensors = Sensors::new(&conditions.scene, &conditions.geometry, asked.grids)?;
@@ -338,7 +356,7 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         patches: args.patches,
         ..Fineness::new(overrules.quality, &overrules.set)
     };
-    let views = Views::new(conditions, &sensors);
+    let views = tell::watched(None, |task| Views::new(conditions, &sensors, task))?;
     done("view out");
     let receivers = sensors.receivers();
     let areas: Vec<f64> = sensors.points.iter().map(|sensor| sensor.area).collect();
@@ -349,12 +367,19 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         planes: &planes,
     };
     let mut all = Vec::new();
-    for (number, (conditions, blinds)) in models.iter().enumerate() {
-        if !variants.iter().any(|variant| variant.glazing == number) {
+    let mut common = Some(common);
+    for number in 0..args.glazing.len().max(1) {
+        let own = variants.iter().filter(|variant| variant.glazing == number);
+        let own: Vec<&Variant> = own.collect();
+        if own.is_empty() {
             continue;
         }
+        let (conditions, blinds) = match common.take().filter(|_| number == 0) {
+            Some(model) => model,
+            None => model(number)?,
+        };
         let year = tell::watched(None, |task| {
-            Year::new(conditions, receivers.clone(), &fineness, task)
+            Year::new(&conditions, receivers.clone(), &fineness, task)
         })?;
         done("coefficients");
         let factors = year.factors(16)?;
@@ -364,9 +389,12 @@ fn of_year(args: &YearArgs, asked: &Asked, mut scene: Scene, variants: &[Variant
         done("daylight factors");
         let mut operator = match blinds.is_empty() {
             true => None,
-            false => Some(Operator::new(blinds, &year, rooms, &fineness)?),
+            false => Some(Operator::new(&blinds, &year, rooms, &fineness)?),
         };
-        for variant in variants.iter().filter(|variant| variant.glazing == number) {
+        if let Some(operator) = &mut operator {
+            operator.keeps = own.len() > 1;
+        }
+        for variant in own {
             let is_own = |(file, _): &&(&WeatherFile, Hours)| std::ptr::eq(*file, variant.file);
             let Some((_, hours)) = hours_of.iter().find(is_own) else {
                 continue;
@@ -478,11 +506,8 @@ impl Made<'_> {
 
     /// The maps of a page; where there are blinds autonomy is with them.
     fn maps(&self) -> Vec<Picture> {
-        let autonomy = match self.metrics.blinds.is_empty() {
-            true => "da300_pct",
-            false => "da300_blinds_pct",
-        };
-        let shown = [autonomy, "sun1000_h", "udi_300_3000_pct", "factor_pct"];
+        let usual = autonomy(!self.metrics.blinds.is_empty());
+        let shown = [usual, "sun1000_h", "udi_300_3000_pct", "factor_pct"];
         let names = ByPoint::NAMES.iter().enumerate();
         let columns = shown.iter().flat_map(|shown| {
             let own = names.clone().find(|(_, name)| *name == shown);

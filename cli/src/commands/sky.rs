@@ -298,6 +298,7 @@ fn range(args: &SkyArgs, until: &str) -> Result<()> {
             bar.step(Step {
                 stage: "skies",
                 share,
+                turn: None,
             });
         }
         let local = civil::local_text(moment.local());

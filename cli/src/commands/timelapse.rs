@@ -342,6 +342,7 @@ impl Run<'_> {
             bar.step(Step {
                 stage: "key frames, for the exposure",
                 share,
+                turn: None,
             });
         };
         self.sequence.plan(backend, self.limits, &|_| {}, &mut told)
