@@ -39,7 +39,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub plan: PlanArgs,
     /// The end of a range that begins at --time: a row of values for each step instead of pictures; it is not in the table itself
-    #[arg(long, value_name = "T", allow_hyphen_values = true, conflicts_with_all = ["sun", "false_colour", "exposure"])]
+    #[arg(long, value_name = "T", allow_hyphen_values = true, conflicts_with_all = ["sun", "false_colour", "exposure", "units", "multiply", "clamp_half", "color_space", "format"])]
     until: Option<String>,
     /// The step of a range: a number of seconds, or with s, min, h or d (24 h), as in 30min [default: 1h]
     #[arg(long, value_name = "STEP", value_parser = step, requires = "until")]
