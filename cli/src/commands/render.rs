@@ -133,7 +133,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let mut rendered = rendered.inspect_err(|error| say_kept(error, files))?;
 
     let converging = Instant::now();
-    let convergence = Convergence::of(&plan, pixels_to_converge(&rendered.frame))?;
+    let convergence = tell::watched(Some(stop), |task| {
+        Convergence::of(&plan, pixels_to_converge(&rendered.frame), task)
+    });
+    let convergence = convergence.inspect_err(|error| say_kept(error, files))?;
     let converging = converging.elapsed();
     let writing = Instant::now();
     let given = args.picture.ev100(&conditions.scene);
