@@ -105,12 +105,13 @@ impl Sensors {
             .flat_map(|looked| looked.sensors.iter().map(|(_, standing)| *standing))
             .collect();
         let is_dark = !standing.is_empty() && !standing.contains(&Standing::Free);
+        let has_lamps = scene.has_lamps();
         let mut numbers = vec![0; specs.len()];
         for looked in all {
             let before = sensors.points.len();
             let grid = looked.grid;
             // Lamps light rooms too, and who names a room means it.
-            let keeps_dark = is_dark || scene.has_lamps() || specs[grid].on != On::Floors;
+            let keeps_dark = is_dark || has_lamps || specs[grid].on != On::Floors;
             let before_out = sensors.left_out.len();
             sensors.add(looked, keeps_dark);
             left_out[grid].extend_from_slice(&sensors.left_out[before_out..]);
