@@ -690,6 +690,18 @@ fn exposures_places_and_plots_are_as_written_or_refused() {
             "cannot be used",
         ),
         (&["accuracy", "--plot", "x.svg"], "no plot"),
+        (
+            &[
+                "render",
+                "--time",
+                "2026-06-21",
+                "--until",
+                "2026-06-22",
+                "--multiply",
+                "2",
+            ],
+            "cannot be used",
+        ),
         (&["sky", "--sun", "1,2", "--exposure", "auto2"], "auto+2"),
     ] {
         let output = tyndall(folder.path(), words);
@@ -707,6 +719,9 @@ fn exposures_places_and_plots_are_as_written_or_refused() {
         (&["--at", "40.7,-74"], false),
         (&["--at", "-74,40.7"], true),
         (&["--at", "9.03,38.74", "--tz", "Africa/Addis_Ababa"], false),
+        // In the Antarctic is who names it.
+        (&["--place", "Mawson"], false),
+        (&["--at", "-67.6,62.9", "--tz", "Antarctica/Mawson"], false),
     ] {
         let words = [&["sun", "--time", "2026-06-21T12:00"], words].concat();
         let said = stderr(&tyndall(folder.path(), &words));

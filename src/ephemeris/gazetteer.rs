@@ -11,9 +11,10 @@ const TABLE: &str = include_str!("../../data/places.csv");
 
 /// Latitude, longitude [degrees] and zone of all places.
 static ZONES: LazyLock<Vec<([f64; 2], &str)>> = LazyLock::new(|| {
-    let place = |line| {
+    let place = |line: &'static str| {
         let [_, _, zone, latitude, longitude] = fields(line)?;
-        Some(([latitude.parse().ok()?, longitude.parse().ok()?], zone))
+        let degrees = |text: &str| text.parse::<f64>().ok();
+        Some(([degrees(latitude)?, degrees(longitude)?], zone))
     };
     TABLE.lines().skip(1).filter_map(place).collect()
 });

@@ -128,10 +128,12 @@ pub fn run(args: &RenderArgs, until: &str) -> Result<()> {
         // A row takes a while: each is printed as it comes.
         bar.apart(|| -> Result<()> {
             if args.csv {
-                out.bytes(&match number {
-                    0 => columns::csv(&[row]),
-                    _ => columns::csv_below(&[row]),
-                })?;
+                let rows = [row];
+                let text = match number {
+                    0 => columns::csv(&rows),
+                    _ => columns::csv_below(&rows),
+                };
+                out.bytes(&text)?;
             } else {
                 if number == 0 {
                     width = local.len().max(25) + 5;
