@@ -62,11 +62,13 @@ fn the_figure_falls_with_more_points_and_bounds_the_error() {
     let mut before = [f64::INFINITY; 2];
     for suns in [8.0, 32.0, 128.0, 512.0] {
         let plan = plan(&conditions, suns);
-        let said = Convergence::of(&plan, all).expect("nothing stops it");
+        let said = Convergence::of(&plan, all, Task::unwatched()).expect("nothing stops it");
         let said = said.expect("the disc is left to points");
         assert_eq!((said.points, said.pixels), (suns as usize, all));
         assert_eq!(said.layers.len(), 2, "{said:?}");
-        let found = truth.compare(&plan).expect("nothing stops it");
+        let found = truth
+            .compare(&plan, Task::unwatched())
+            .expect("nothing stops it");
         for (name, before) in ["sun", "inscatter_sun"].into_iter().zip(&mut before) {
             let said = named(&said.layers, name).relative_rmse;
             let off = named(&found.layers, name).relative_rmse;
@@ -80,7 +82,7 @@ fn the_figure_falls_with_more_points_and_bounds_the_error() {
             *before = said;
         }
         // Of some pixels the same is said, within what their number allows.
-        let some = Convergence::of(&plan, 256).expect("nothing stops it");
+        let some = Convergence::of(&plan, 256, Task::unwatched()).expect("nothing stops it");
         for layer in some.expect("the disc is left to points").layers {
             let [low, high] = layer.interval;
             let whole = named(&said.layers, layer.layer).relative_rmse;
@@ -93,7 +95,7 @@ fn the_figure_falls_with_more_points_and_bounds_the_error() {
 }
 
 fn says_nothing(plan: &Plan) -> bool {
-    let said = Convergence::of(plan, 64).expect("nothing stops it");
+    let said = Convergence::of(plan, 64, Task::unwatched()).expect("nothing stops it");
     said.is_none()
 }
 

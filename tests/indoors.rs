@@ -11,6 +11,7 @@ use glam::{DVec3, dvec3};
 use tyndall::backend::{Backend, Limits, Wanted};
 use tyndall::colour::luminance;
 use tyndall::conditions::{CameraChoice, Conditions, Request};
+use tyndall::daylight::grid::{GridSpec, Sensors};
 use tyndall::photometry::Distribution;
 use tyndall::plan::{Overrules, Plan, Quality};
 use tyndall::scene::indoors::indoors;
@@ -122,6 +123,16 @@ fn voids_that_no_daylight_comes_to_have_no_sensors() {
             format!("Shaft: 36 sensors (6.6 m2) {why}"),
         ]
     );
+    // Who names a void means it, and lamps may light any.
+    let specs = ["Room", "Attic"].map(|room| {
+        GridSpec::parse(&format!("room={room},plane=0.85,spacing=0.5")).expect("it can be read")
+    });
+    let scene = house(&window);
+    let both = Sensors::new(&scene, &Geometry::new(&scene), &specs).expect("both have sensors");
+    assert_eq!(both.points.len(), 2 * 144);
+    let mut lit = house(&window);
+    lit.lamps = vec![lamp(dvec3(3.0, 2.5, -2.0), 100.0, Distribution::Isotropic)];
+    assert_eq!(grid(&lit, "plane=0.85,spacing=0.5").planes.len(), 4);
     // Where no daylight comes to any, voids and rooms are alike; that is said.
     let sensors = grid(&house(&[]), "plane=0.85,spacing=0.5");
     assert_eq!(sensors.planes.len(), 4);

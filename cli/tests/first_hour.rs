@@ -690,6 +690,18 @@ fn exposures_places_and_plots_are_as_written_or_refused() {
             "cannot be used",
         ),
         (&["accuracy", "--plot", "x.svg"], "no plot"),
+        (
+            &[
+                "render",
+                "--time",
+                "2026-06-21",
+                "--until",
+                "2026-06-22",
+                "--multiply",
+                "2",
+            ],
+            "cannot be used",
+        ),
         (&["sky", "--sun", "1,2", "--exposure", "auto2"], "auto+2"),
     ] {
         let output = tyndall(folder.path(), words);
@@ -707,6 +719,9 @@ fn exposures_places_and_plots_are_as_written_or_refused() {
         (&["--at", "40.7,-74"], false),
         (&["--at", "-74,40.7"], true),
         (&["--at", "9.03,38.74", "--tz", "Africa/Addis_Ababa"], false),
+        // In the Antarctic is who names it.
+        (&["--place", "Mawson"], false),
+        (&["--at", "-67.6,62.9", "--tz", "Antarctica/Mawson"], false),
     ] {
         let words = [&["sun", "--time", "2026-06-21T12:00"], words].concat();
         let said = stderr(&tyndall(folder.path(), &words));
@@ -717,6 +732,7 @@ fn exposures_places_and_plots_are_as_written_or_refused() {
 #[test]
 #[cfg(unix)]
 fn whoever_asks_a_picture_to_end_is_told_what_is_kept() {
+    use std::io::{BufRead, BufReader, Read};
     use std::process::{Command, Stdio};
     let folder = tempfile::tempdir().expect("a folder");
     slats(folder.path(), [400, 300]);
@@ -733,14 +749,20 @@ fn whoever_asks_a_picture_to_end_is_told_what_is_kept() {
             "-o",
             "x.png",
         ];
-        let child = child.args(words).spawn().expect("it starts");
+        let mut child = child.args(words).spawn().expect("it starts");
         let id = child.id().to_string();
-        std::thread::sleep(std::time::Duration::from_millis(800));
+        // What is drawn is said when the picture begins.
+        let mut lines = BufReader::new(child.stderr.take().expect("it is piped"));
+        let mut said = String::new();
+        while !said.contains("\neffects ") {
+            let read = lines.read_line(&mut said).expect("it talks");
+            assert!(read > 0, "it ended: {said}");
+        }
         let sent = Command::new("kill").args(["-s", signal, &id]).status();
         assert!(sent.expect("kill is there").success());
-        let output = child.wait_with_output().expect("it ends");
-        assert_eq!(output.status.code(), Some(status), "{}", stderr(&output));
-        let said = stderr(&output);
+        lines.read_to_string(&mut said).expect("it talks");
+        let ended = child.wait().expect("it ends");
+        assert_eq!(ended.code(), Some(status), "{said}");
         assert!(
             said.contains("kept       nothing of this picture; not written: x.png"),
             "{said}"

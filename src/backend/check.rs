@@ -17,6 +17,9 @@ use serde::Serialize;
 /// The stage in which pixels are made that a picture is compared with.
 const TRUTH: &str = "the reference's pixels";
 
+/// The stage in which a plan's own are made.
+const COMPARED: &str = "pixels to compare";
+
 /// The measured error of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
@@ -106,10 +109,11 @@ impl Yardstick {
     /// The error of what the reference makes of another plan for conditions of the same view, without a whole picture.
     ///
     /// # Errors
-    /// Those of [`Reference::new`].
-    pub fn compare(&self, plan: &Plan) -> Result<Check> {
+    /// Those of [`Reference::keeping`].
+    pub fn compare(&self, plan: &Plan, task: Task<'_>) -> Result<Check> {
         let samples = plan.conditions.view.samples;
-        let found = Reference::new(plan)?.sampled(&self.pixels, samples, Task::unwatched())?;
+        let reference = Reference::keeping(plan, &Kept::default(), task)?;
+        let found = reference.sampled(&self.pixels, samples, task.stage(COMPARED))?;
         Ok(self.judge(&found))
     }
 

@@ -8,11 +8,14 @@ use super::check::stratified;
 use super::reference::{Reference, Values};
 use crate::accuracy::{LayerError, error};
 use crate::colour::luminance;
-use crate::effect::Field;
+use crate::effect::{Field, Kept};
 use crate::error::Result;
 use crate::plan::{Plan, Step};
 use crate::task::Task;
 use serde::Serialize;
+
+/// The stage in which it is measured.
+const STAGE: &str = "points of the sun's disc";
 
 /// How many points a step goes by.
 const POINTS: &str = "suns";
@@ -36,8 +39,8 @@ impl Convergence {
     /// sun's disc to several points, as qualities below `reference` do not.
     ///
     /// # Errors
-    /// Those of [`Reference::new`].
-    pub fn of(plan: &Plan, count: usize) -> Result<Option<Self>> {
+    /// Those of [`Reference::keeping`].
+    pub fn of(plan: &Plan, count: usize, task: Task<'_>) -> Result<Option<Self>> {
         let is_left_to_points =
             |step: &&Step| points(step).is_some() && get(step, WHOLE) == Some(0.0);
         let disc = plan.conditions.sun_beams(2).len() > 1;
@@ -54,7 +57,8 @@ impl Convergence {
         let pixels = stratified(plan.conditions.view.size, count);
         let light = |share: f64| -> Result<Vec<Values>> {
             let plan = only(plan, &changed, share);
-            Reference::new(&plan)?.sampled(&pixels, 1, Task::unwatched())
+            let reference = Reference::keeping(&plan, &Kept::default(), task)?;
+            reference.sampled(&pixels, 1, task.stage(STAGE))
         };
         let (whole, half) = (light(1.0)?, light(0.5)?);
         let of = |values: &Values, field: Field| luminance(values[field as usize]);

@@ -154,12 +154,13 @@ mod tests {
             Input::Geometry,
             Input::Materials,
             Input::Media,
+            Input::Extinction,
             Input::Sky,
             Input::Sun,
             Input::Lamps,
             Input::View,
         ];
-        let changes: [(&[Input], Change); 9] = [
+        let changes: [(&[Input], Change); 11] = [
             (&[], |_| {}),
             (&[Input::Sun], |now| now.sun.toward = DVec3::Y),
             (&[Input::Geometry, Input::Materials], |now| {
@@ -174,7 +175,13 @@ mod tests {
             (&[Input::Lamps], |now| {
                 now.lamps = [1, 0].map(|i| now.lamps[i].clone()).into()
             }),
-            (&[Input::Media], |now| now.air.ground += 1.0),
+            (&[Input::Media, Input::Extinction], |now| {
+                now.air.ground += 1.0
+            }),
+            (&[Input::Geometry], |now| {
+                now.geometry = Arc::new(Geometry::new(&now.scene))
+            }),
+            (&[Input::View], |now| now.view.size[0] += 1),
             (&[Input::Sky], |now| now.sky = None),
             (&[Input::Materials], |now| {
                 now.scene = Arc::new((*now.scene).clone())
@@ -188,7 +195,9 @@ mod tests {
                 assert_eq!(holds, !stale.contains(&input), "{input:?} of {stale:?}");
             }
             let is_of_scene = before.snapshot(&all).is_of_scene(&now);
-            assert_eq!(is_of_scene, Arc::ptr_eq(&before.scene, &now.scene));
+            let is_same_geometry = Arc::ptr_eq(&before.geometry, &now.geometry);
+            let is_same_scene = Arc::ptr_eq(&before.scene, &now.scene);
+            assert_eq!(is_of_scene, is_same_geometry && is_same_scene);
         }
         assert!(
             !before

@@ -2,7 +2,8 @@
 //!
 //! What a user asks for is a [`GridSpec`]; [`Sensors::new`] finds the planes that it means ([`super::floor`]), divides each into
 //! cells, and puts a sensor into the middle of each cell that lies in the plane's outline. Sensors that stand in walls and furniture are
-//! left out and counted ([`super::inside`]), and so are those in voids that no daylight comes to. The order is by plane, and in each plane row by row.
+//! left out and counted ([`super::inside`]), and so are those in voids that no daylight comes to, of floors that were found: what is
+//! named keeps them, and so do all floors of a scene with lamps. The order is by plane, and in each plane row by row.
 
 use super::floor;
 use super::inside::{self, Standing};
@@ -51,6 +52,8 @@ struct Looked {
     grid: usize,
     plane: Plane,
     sensors: Vec<(Sensor, Standing)>,
+    /// Whether they are looked at at all: the points of openings lie in walls.
+    may_be_inside: bool,
 }
 
 /// The sensors of one or more grids.
@@ -76,12 +79,15 @@ impl Sensors {
         let mut sensors = Sensors::default();
         let mut all = Vec::new();
         let mut count = 0;
+        // By grid.
+        let mut left_out: Vec<Vec<LeftOut>> = Vec::new();
         for (grid, spec) in specs.iter().enumerate() {
+            let before = sensors.left_out.len();
             let planes = match &spec.on {
                 On::Openings(name) => sensors.openings(scene, geometry, name, spec)?,
                 _ => floor::planes(scene, geometry, spec)?,
             };
-            // The points of openings lie in walls.
+            left_out.push(sensors.left_out[before..].to_vec());
             let may_be_inside = matches!(spec.on, On::Openings(_));
             for plane in planes {
                 let sensors = looked_at(scene, geometry, &plane, may_be_inside, &mut count)?;
@@ -89,21 +95,30 @@ impl Sensors {
                     grid,
                     plane,
                     sensors,
+                    may_be_inside,
                 });
             }
         }
         // Where daylight comes to none, windows may be closed by opaque faces: voids cannot be told from rooms.
-        let mut standing = all.iter().flat_map(|looked| &looked.sensors);
-        let is_dark = !standing.any(|(_, standing)| *standing == Standing::Free);
+        let looked = all.iter().filter(|looked| !looked.may_be_inside);
+        let standing: Vec<Standing> = looked
+            .flat_map(|looked| looked.sensors.iter().map(|(_, standing)| *standing))
+            .collect();
+        let is_dark = !standing.is_empty() && !standing.contains(&Standing::Free);
+        let has_lamps = scene.has_lamps();
         let mut numbers = vec![0; specs.len()];
         for looked in all {
             let before = sensors.points.len();
             let grid = looked.grid;
-            sensors.add(looked, is_dark);
+            // Lamps light rooms too, and who names a room means it.
+            let keeps_dark = is_dark || has_lamps || specs[grid].on != On::Floors;
+            let before_out = sensors.left_out.len();
+            sensors.add(looked, keeps_dark);
+            left_out[grid].extend_from_slice(&sensors.left_out[before_out..]);
             numbers[grid] += sensors.points.len() - before;
         }
         if let Some(empty) = numbers.iter().position(|count| *count == 0) {
-            return Err(nothing_left(&specs[empty], &sensors.left_out));
+            return Err(nothing_left(&specs[empty], &left_out[empty]));
         }
         if is_dark {
             sensors.notes.push(
@@ -151,11 +166,11 @@ impl Sensors {
         Ok(found.planes)
     }
 
-    /// Adds a plane with those of its sensors that stand well; those that are closed in too where it `is_dark` everywhere.
-    fn add(&mut self, looked: Looked, is_dark: bool) {
+    /// Adds a plane with those of its sensors that stand well; those that are closed in too if it `keeps_dark` ones.
+    fn add(&mut self, looked: Looked, keeps_dark: bool) {
         let Looked { plane, sensors, .. } = looked;
         let is_kept = |standing: Standing| {
-            standing == Standing::Free || is_dark && standing == Standing::ClosedIn
+            standing == Standing::Free || keeps_dark && standing == Standing::ClosedIn
         };
         for why in [Standing::InSolid, Standing::Outside, Standing::ClosedIn] {
             let out = sensors.iter().filter(|(_, s)| *s == why && !is_kept(*s));

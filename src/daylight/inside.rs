@@ -12,7 +12,7 @@
 //! is covered: they stand on what covers it.
 //!
 //! Groups of what is left are **closed in** if no daylight comes to them ([`super::reached`]): a crawl space, a void in a wall or above a
-//! ceiling. Where that holds for all sensors of all grids, none is left out for it.
+//! ceiling. Where that holds for all sensors of all grids, none is left out for it; nor is one of what was named, or where lamps shine.
 
 use super::floor::Above;
 use super::plane::{Plane, Sensor};

@@ -14,6 +14,7 @@ use chrono::{
 use jiff::tz::{AmbiguousOffset, Offset, TimeZone, TimeZoneDatabase};
 use tzf_rs::EmbeddedFinder;
 
+use super::gazetteer;
 use super::site::Site;
 use super::time::{Instant, TimeScale};
 use super::written::{
@@ -135,12 +136,16 @@ impl Zone {
 
     /// The zone of a place; at sea, the nautical one.
     ///
-    /// Where several zones claim the place, the first is taken if their clocks agree at `utc`, and all are said.
+    /// Where several zones claim the place, the first is taken if their clocks agree at `utc`, and all are said. Places of the
+    /// gazetteer have the zone that they are the principal places of.
     ///
     /// # Errors
     /// [`Error::Input`] where the zones that claim the place disagree.
     pub fn at(site: &Site, utc: DateTime<Utc>) -> Result<Self> {
-        let names = FINDER.get_tz_names(site.longitude_deg(), site.latitude_deg());
+        let names = match gazetteer::zone_of(site) {
+            Some(name) => vec![name],
+            None => FINDER.get_tz_names(site.longitude_deg(), site.latitude_deg()),
+        };
         let zones = names
             .iter()
             .map(|name| Zone::named(name))
@@ -359,9 +364,9 @@ pub fn resolve(
 pub fn resolve_with(text: &str, reading: &Reading) -> Result<Moment> {
     let mut moment = read(text, reading)?;
     if let Some(site) = reading.site {
-        moment
-            .warnings
-            .extend(swapped(site, moment.zone.as_deref()));
+        let is_named = reading.zone.is_some() || text.contains('[');
+        let swapped = swapped(site, moment.zone.as_deref(), is_named);
+        moment.warnings.extend(swapped);
     }
     Ok(moment)
 }
@@ -513,13 +518,18 @@ fn finish(instant: Instant, utc: DateTime<Utc>, clock: Zone, reading: &Reading) 
 }
 
 /// Says where a place would be if its latitude and longitude were swapped, when that looks more likely: where the zone that was named
-/// is, or on inhabited land instead of the open sea or the Antarctic.
-fn swapped(site: &Site, zone: Option<&str>) -> Option<Warning> {
+/// is, or on inhabited land instead of the open sea or the Antarctic. A place that has a name, or lies in the zone
+/// that was named, is meant.
+fn swapped(site: &Site, zone: Option<&str>, is_named: bool) -> Option<Warning> {
     let (latitude, longitude) = (site.latitude_deg(), site.longitude_deg());
     if longitude.abs() > 90.0 {
         return None;
     }
     let here = FINDER.get_tz_names(longitude, latitude);
+    let is_meant = is_named && zone.is_some_and(|zone| here.contains(&zone));
+    if is_meant || gazetteer::zone_of(site).is_some() {
+        return None;
+    }
     let there = FINDER.get_tz_names(latitude, longitude);
     let is_empty = |name: &&&str| name.starts_with("Etc/") || name.starts_with("Antarctica/");
     let named = zone.filter(|zone| !here.contains(zone) && there.contains(zone));

@@ -19,7 +19,7 @@ pub(super) struct Exchange {
     pub outside: Vec<Row>,
     /// The share of each patch's light that leaves the scene [1].
     pub escapes: Vec<f64>,
-    /// The most by which a row's sum was corrected [1].
+    /// The largest factor by which a row's sum was corrected, up or down, less 1 [1].
     pub correction: f64,
 }
 
@@ -123,10 +123,12 @@ impl Exchange {
                 }
             }
             let counted = (0..count).filter(|i| is_known[*i] && sums[*i] > 0.0);
-            let off = counted.map(|i| (areas[i] / sums[i] - 1.0).abs());
-            let off = off.fold(0.0, f64::max);
+            let ratios: Vec<f64> = counted.map(|i| areas[i] / sums[i]).collect();
+            let off = ratios.iter().map(|r| (r - 1.0).abs()).fold(0.0, f64::max);
             if turn == 0 {
-                correction = off;
+                // A fifth is as much as five times.
+                let factors = ratios.iter().map(|r| r.max(1.0 / r));
+                correction = factors.fold(1.0, f64::max) - 1.0;
             }
             if off < ENOUGH {
                 break;

@@ -60,8 +60,12 @@ const MOST_BYTES: u64 = 1 << 30;
 /// How far from borders points stay, over the size of a cell.
 const INSET: f64 = 2e-3;
 
-/// How far around a point of a plane is looked for what may cover it, over the size of a cell.
-const REACH: f64 = 2.0;
+/// How far around a point of a plane is looked for what may cover it, over the size of the finest rectangles there: what is as near as
+/// they are wide shades less than them, and covers; what is farther away than that is drawn, and a corridor is none of it.
+const REACH: f64 = 3.0;
+
+/// Two points of a face that are nearer to each other are one, over the size of the face.
+const SAME: f64 = 1e-6;
 
 impl Lattice {
     /// One on which nothing is known yet; rectangles whose middle is off by less than `tolerance` of its light are not divided, none
@@ -138,17 +142,17 @@ impl Lattice {
             of,
             part,
             side: cell.side,
+            depth: self.depth,
         };
         let root = &self.parts[part.patch as usize];
         let mut node = &**root.get_or_init(|| Box::new(look.node(part.low, part.high, 0)));
         loop {
-            let quarters = node.quarters.get_or_init(|| {
-                look.bends(node, self.tolerance, self.depth)
-                    .then(Box::default)
-            });
+            let quarters = node
+                .quarters
+                .get_or_init(|| look.bends(node, self.tolerance).then(Box::default));
             let Some(quarters) = quarters else {
                 let point = of.plane.point(at);
-                let is_covered = || look.is_covered(point);
+                let is_covered = || look.is_covered(at);
                 let gathered = || {
                     let normal = of.plane.normal;
                     light.given_by(&transport.factors(point, normal, normal))
@@ -218,6 +222,8 @@ struct Look<'a> {
     part: &'a Part,
     /// Of the cell [m].
     side: f64,
+    /// How often it may be quartered.
+    depth: u32,
 }
 
 impl Look<'_> {
@@ -238,8 +244,8 @@ impl Look<'_> {
     }
 
     /// Whether the middle of a rectangle is not what its corners say.
-    fn bends(&self, node: &Node, tolerance: f64, depth: u32) -> bool {
-        if node.depth >= depth {
+    fn bends(&self, node: &Node, tolerance: f64) -> bool {
+        if node.depth >= self.depth {
             return false;
         }
         let middle = 0.5 * (node.low + node.high);
@@ -260,7 +266,7 @@ impl Look<'_> {
         let least = corners.iter().copied().fold(found, f64::min);
         let bends = (found - mean).abs() > tolerance * found.max(mean);
         // A shadow that passes between the corners and the middle shows by its steepness.
-        let steep = most > 4.0 * least && node.depth + 2 < depth;
+        let steep = most > 4.0 * least && node.depth + 2 < self.depth;
         bends || steep
     }
 
@@ -280,7 +286,7 @@ impl Look<'_> {
     /// What the surface receives at a point, or as near to it as it goes on.
     fn known(&self, at: DVec2) -> Known {
         let at = self.within(at);
-        let unit = 1e6 / self.of.side();
+        let unit = 1.0 / (SAME * self.of.side());
         let key = Point::Face(
             self.face,
             (at.x * unit).round() as i64,
@@ -289,15 +295,23 @@ impl Look<'_> {
         let (point, normal) = (self.of.plane.point(at), self.of.plane.normal);
         let sight = || Sight {
             factors: self.transport.factors(point, normal, normal),
-            is_covered: self.is_covered(point),
+            is_covered: self.is_covered(at),
         };
         self.transport.known(self.light, key, sight)
     }
 
-    fn is_covered(&self, point: DVec3) -> bool {
-        let reach = REACH * self.side;
+    /// Whether a point is covered. It is kept for all cells that meet there, so that it is the point's own matter, not that of who asks
+    /// first: the largest of them counts.
+    fn is_covered(&self, at: DVec2) -> bool {
+        let step = 0.1 * SAME * self.of.side();
+        let steps = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+        let around = steps.map(|(x, y)| at + step * DVec2::new(x, y));
+        let sides = around.iter().filter_map(|p| self.of.cell(*p));
+        let largest = sides.map(|(_, cell)| cell.side).fold(0.0, f64::max);
+        let finest = largest / f64::from(1u32 << self.depth);
+        let plane = &self.of.plane;
         self.transport
-            .is_covered(point, self.of.plane.normal, reach)
+            .is_covered(plane.point(at), plane.normal, REACH * finest)
     }
 
     /// A point itself where the surface goes on around it, else one a little inside the part.
@@ -409,10 +423,10 @@ impl Transport {
         toward(facet, (1.0 - v - w) * a + v * b + w * c)
     }
 
-    /// How far around a place of a triangle is looked for what may cover it [m]: as far as the triangle goes.
+    /// How far around a place of a triangle is looked for what may cover it [m]: half as far as the triangle goes.
     fn reach(&self, triangle: u32) -> f64 {
         let [a, b, c] = self.conditions.scene.mesh.corners(triangle);
-        a.distance(b).max(b.distance(c)).max(c.distance(a))
+        0.5 * a.distance(b).max(b.distance(c).max(c.distance(a)))
     }
 
     /// What is known of a point under a light. What it sees is kept for other moments as long as there is room for it.

@@ -76,6 +76,7 @@ pub fn of_points(geometry: &Geometry, points: &[DVec3]) -> Option<Warning> {
         let near = far.iter().filter(|p| !beyond(0.1, *scale * **p));
         2 * near.count() > far.len()
     };
+    // Both fit points in millimetres that all lie near the origin: those are called centimetres, as nothing tells them apart.
     let scale = [0.01, 0.001].into_iter().find(fits)?;
     (2 * far.len() > points.len()).then_some(Warning::FarPoints {
         count: [far.len(), points.len()],

@@ -53,9 +53,11 @@ enum Came {
     DoesNotCompile,
     /// This test fails without the break.
     FailsAnyway(Option<String>),
+    /// The program has no test of the name.
+    NoSuchTest,
 }
 
-/// Programs without any break, and tests that pass in them.
+/// Programs without any break, and with what arguments they pass.
 type Passing = BTreeSet<(PathBuf, String)>;
 
 impl std::fmt::Display for Came {
@@ -66,20 +68,34 @@ impl std::fmt::Display for Came {
             Came::Survived => f.write_str("**not noticed**"),
             Came::DoesNotCompile => f.write_str("**does not compile**"),
             Came::FailsAnyway(test) => write!(f, "**`{}` fails anyway**", name(test)),
+            Came::NoSuchTest => f.write_str("**no such test**"),
         }
     }
 }
 
 impl Came {
-    /// What it is when what failed runs in `sound`, which has no break, too; `passing` holds what has passed there before.
-    fn checked(self, sound: &Path, folder: &Path, passing: &mut Passing) -> Result<Came, String> {
-        if let Came::Caught(Some(name)) = &self
-            && !passing.contains(&(sound.to_owned(), name.clone()))
-        {
-            if test(sound, folder, &["--exact", name])? != Came::Survived {
-                return Ok(Came::FailsAnyway(Some(name.clone())));
+    /// What it is when what failed of `one` runs in `sound`, which has no break, too; `passing` holds what has passed there before.
+    fn checked(
+        self,
+        one: &Break,
+        sound: &Path,
+        folder: &Path,
+        passing: &mut Passing,
+    ) -> Result<Came, String> {
+        let Came::Caught(name) = &self else {
+            return Ok(self);
+        };
+        // What ended or hung named no test: all of it must pass.
+        let arguments = match name {
+            Some(name) => vec!["--exact", name.as_str()],
+            None => one.part(),
+        };
+        let key = (sound.to_owned(), arguments.join(" "));
+        if !passing.contains(&key) {
+            if test(sound, folder, &arguments)? != Came::Survived {
+                return Ok(Came::FailsAnyway(name.clone()));
             }
-            passing.insert((sound.to_owned(), name.clone()));
+            passing.insert(key);
         }
         Ok(self)
     }
@@ -87,8 +103,8 @@ impl Came {
 
 /// Runs all breaks whose name, file or test contains one of the words of `arguments` (all for none).
 ///
-/// `--built FOLDER` among them names a folder of test programs, such as `target/release/deps`, that need not be built once more: what
-/// stands in one of these as it is written is broken in a copy of it.
+/// `--built FOLDER` among them names a folder of test programs, such as `target/release/deps`, that need not be built once more for shaders
+/// and data: what stands in one of these as it is written is broken in a copy of it.
 pub fn run(arguments: Vec<String>) -> Result<bool, String> {
     let (mut only, mut built) = (Vec::new(), None);
     let mut arguments = arguments.into_iter();
@@ -118,7 +134,7 @@ pub fn run(arguments: Vec<String>) -> Result<bool, String> {
             None => {
                 let place = match places.entry(one.place()) {
                     Entry::Occupied(there) => there.into_mut(),
-                    Entry::Vacant(new) => new.insert(Place::new(&root, one, built)?),
+                    Entry::Vacant(new) => new.insert(Place::new(&root, one)?),
                 };
                 place.with(one, &mut passing)?
             }
@@ -176,13 +192,21 @@ impl Break {
             return Ok(None);
         }
         let came = self.tested(&copy, root)?;
-        came.checked(&program, root, passing).map(Some)
+        // The command line may have a suite of the same name.
+        if came == Came::NoSuchTest {
+            return Ok(None);
+        }
+        came.checked(self, &program, root, passing).map(Some)
     }
 
     /// Runs its test in a program that has it in.
     fn tested(&self, program: &Path, folder: &Path) -> Result<Came, String> {
-        let part: Vec<&str> = self.test.split_whitespace().skip(1).collect();
-        test(program, folder, &part)
+        test(program, folder, &self.part())
+    }
+
+    /// What of that program is run.
+    fn part(&self) -> Vec<&str> {
+        self.test.split_whitespace().skip(1).collect()
     }
 
     /// Its file with it in.
@@ -205,8 +229,8 @@ struct Place {
 }
 
 impl Place {
-    /// Copies what the test of `one` needs, and builds it where no such program lies in `built`.
-    fn new(root: &Path, one: &Break, built: Option<&Path>) -> Result<Self, String> {
+    /// Copies what the test of `one` needs, and builds it.
+    fn new(root: &Path, one: &Break) -> Result<Self, String> {
         let modules: Vec<&str> = one.module().into_iter().collect();
         let suites: Vec<&str> = [one.binary()].into_iter().filter(|s| *s != "lib").collect();
         let whole = crate::target().join("breaks");
@@ -225,14 +249,9 @@ impl Place {
             folder,
             sound: PathBuf::new(),
         };
-        // What reads a file that is broken must read the copy's.
-        let built = built.filter(|_| !one.is_embedded());
-        let program = match built.and_then(|folder| newest(folder, one.binary())) {
-            Some(program) => program,
-            None => place
-                .program(one.binary())?
-                .ok_or_else(|| format!("`{}` does not compile without any break", one.test))?,
-        };
+        let program = place
+            .program(one.binary())?
+            .ok_or_else(|| format!("`{}` does not compile without any break", one.test))?;
         place.sound = kept()?.join(one.place());
         fs::copy(&program, &place.sound).map_err(|e| format!("{}: {e}", place.sound.display()))?;
         Ok(place)
@@ -249,9 +268,10 @@ impl Place {
             let copy = sound.with_extension("broken");
             if patch(sound, &text, &broken, &copy)? {
                 let came = one.tested(&copy, &self.folder)?;
-                return came.checked(sound, &self.folder, passing);
+                return came.checked(one, sound, &self.folder, passing);
             }
         }
+        let time = path.metadata().and_then(|m| m.modified()).map_err(wrong)?;
         fs::write(&path, &broken).map_err(wrong)?;
         let program = match one.is_embedded() {
             // The test reads the file itself.
@@ -264,7 +284,13 @@ impl Place {
             Err(problem) => Err(problem),
         };
         fs::write(&path, &text).map_err(wrong)?;
-        came?.checked(sound, &self.folder, passing)
+        if one.is_embedded() {
+            // Nothing was built of it: it is as it was.
+            let file = fs::File::options().write(true).open(&path);
+            file.and_then(|file| file.set_modified(time))
+                .map_err(wrong)?;
+        }
+        came?.checked(one, sound, &self.folder, passing)
     }
 
     /// Builds the program of a test in the copy; `None` where it does not compile.
@@ -301,7 +327,7 @@ impl Place {
 /// Runs a test program in a folder up to its first failure.
 ///
 /// # Errors
-/// In words, where it does not start, or no test has the name.
+/// In words, where it does not start.
 fn test(program: &Path, folder: &Path, arguments: &[&str]) -> Result<Came, String> {
     let wrong = |e: std::io::Error| format!("{}: {e}", program.display());
     let mut child = Command::new(program)
@@ -331,7 +357,8 @@ fn test(program: &Path, folder: &Path, arguments: &[&str]) -> Result<Came, Strin
         let left = PATIENCE.saturating_sub(begun.elapsed());
         match told.recv_timeout(left) {
             Ok(line) if line == "running 0 tests" => {
-                return Err(format!("{}: no test {arguments:?}", program.display()));
+                child.wait().map_err(wrong)?;
+                return Ok(Came::NoSuchTest);
             }
             Ok(line) => {
                 let failed = line.strip_suffix(" ... FAILED");

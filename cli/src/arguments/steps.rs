@@ -1,6 +1,6 @@
 //! The instants of a table: a start, and one after each step up to an end.
 
-use chrono::{DateTime, TimeDelta, Utc};
+use chrono::{DateTime, SecondsFormat, TimeDelta, Utc};
 use tyndall::ephemeris::Site;
 use tyndall::ephemeris::civil::{self, Moment, Reading, Zone};
 use tyndall::{Error, Result};
@@ -59,6 +59,17 @@ impl Range {
             ));
         }
         Ok(Range { steps, clock })
+    }
+
+    /// One of its instants, counted from zero, as [`tyndall::conditions::Conditions::at`] reads it: by the clock of its beginning.
+    pub fn text(&self, number: u64) -> String {
+        let utc = self.steps.at(number);
+        let time = utc.to_rfc3339_opts(SecondsFormat::AutoSi, true);
+        match (self.clock.name(), self.clock.offset_seconds(utc)) {
+            (Some(name), _) => format!("{time}[{name}]"),
+            (None, offset) if self.clock.source() == "UTC" && offset == 0 => format!("{time}[UTC]"),
+            (None, offset) => format!("{time}[{}]", civil::offset_text(offset)),
+        }
     }
 
     /// One of its moments, counted from zero.

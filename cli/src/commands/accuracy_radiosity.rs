@@ -7,6 +7,7 @@ use crate::machine;
 use crate::plots::plot::{Plot, Point, Series};
 use crate::tables::columns::{Columns, columns, print};
 use crate::tables::stdout::Out;
+use crate::tell;
 use clap::Args;
 use serde_json::json;
 use tyndall::Result;
@@ -45,6 +46,15 @@ pub fn run(flags: &StudyArgs, own: &RadiosityArgs, form: FormArgs) -> Result<()>
     let described = backend.describe();
     let mut studies = Vec::new();
     let scenes = flags.scenes(&SCENES, SIZE)?;
+    let names: Vec<&str> = scenes.iter().map(|(scene, _)| scene.as_str()).collect();
+    tell::line(
+        "study",
+        format!(
+            "{} settings of {}; first how long a frame of usual ones takes",
+            trials().len(),
+            names.join(", ")
+        ),
+    );
     let seconds = scenes.iter().map(|(_, c)| frame_seconds(c, &flags.set));
     let seconds = seconds.collect::<Result<Vec<f64>>>()?;
     let seconds = seconds.into_iter().map(|seconds| FINER * seconds);

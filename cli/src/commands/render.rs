@@ -39,7 +39,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub plan: PlanArgs,
     /// The end of a range that begins at --time: a row of values for each step instead of pictures; it is not in the table itself
-    #[arg(long, value_name = "T", allow_hyphen_values = true, conflicts_with_all = ["sun", "false_colour", "exposure"])]
+    #[arg(long, value_name = "T", allow_hyphen_values = true, conflicts_with_all = ["sun", "false_colour", "exposure", "units", "multiply", "clamp_half", "color_space", "format"])]
     until: Option<String>,
     /// The step of a range: a number of seconds, or with s, min, h or d (24 h), as in 30min [default: 1h]
     #[arg(long, value_name = "STEP", value_parser = step, requires = "until")]
@@ -133,7 +133,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let mut rendered = rendered.inspect_err(|error| say_kept(error, files))?;
 
     let converging = Instant::now();
-    let convergence = Convergence::of(&plan, pixels_to_converge(&rendered.frame))?;
+    let convergence = tell::watched(Some(stop), |task| {
+        Convergence::of(&plan, pixels_to_converge(&rendered.frame), task)
+    });
+    let convergence = convergence.inspect_err(|error| say_kept(error, files))?;
     let converging = converging.elapsed();
     let writing = Instant::now();
     let given = args.picture.ev100(&conditions.scene);

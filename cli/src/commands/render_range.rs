@@ -5,10 +5,11 @@ use crate::commands::render::RenderArgs;
 use crate::machine;
 use crate::signals;
 use crate::tables::columns::{self, Columns, columns};
-use crate::tables::stdout::{self, Out};
+use crate::tables::stdout;
 use crate::tell;
 use chrono::SecondsFormat;
 use serde_json::json;
+use std::mem::discriminant;
 use tyndall::backend::choose::choose;
 use tyndall::backend::{Backend, Limits};
 use tyndall::colour::{exposure, luminance};
@@ -16,7 +17,22 @@ use tyndall::conditions::{Conditions, Receiver, View};
 use tyndall::ephemeris::Site;
 use tyndall::ephemeris::civil::{self, Reading};
 use tyndall::plan::{Overrules, Plan};
+use tyndall::warning::Warning;
 use tyndall::{Error, Result};
+
+/// No more pictures than these of a range.
+const MOST_PICTURES: u64 = 10_000;
+
+/// What the table for people shows, below which titles: what changes most.
+const SHOWN: [(&str, &str); 7] = [
+    ("sun_azimuth", "azimuth"),
+    ("sun_elevation_apparent", "elevation"),
+    ("sun_normal_illuminance_lx", "sun lx"),
+    ("sky_horizontal_illuminance_lx", "sky lx"),
+    ("eye_illuminance_lx", "eye lx"),
+    ("mean_luminance_cd_m2", "mean cd/m2"),
+    ("ev100", "EV100"),
+];
 
 /// Prints a row for each step from --time up to `until`.
 pub fn run(args: &RenderArgs, until: &str) -> Result<()> {
@@ -49,11 +65,19 @@ pub fn run(args: &RenderArgs, until: &str) -> Result<()> {
         args.view.scene.time.moment_by(text, &reading)
     })?;
     let count = range.steps.count;
+    if count > MOST_PICTURES {
+        return Err(Error::domain(
+            "the number of pictures",
+            count,
+            format!("1 to {MOST_PICTURES}"),
+            "give a larger --step, or a part of the range",
+        ));
+    }
     let utc = |number: u64| {
         let utc = range.steps.at(number);
         utc.to_rfc3339_opts(SecondsFormat::AutoSi, true)
     };
-    scene.time = Some(utc(0));
+    scene.time = Some(range.text(0));
     let first = args.view.conditions_of(scene)?;
     let layers = args.picture.layers(&first, &args.plan.overrules())?;
     Plan::new(&first, &args.plan.overrules())?;
@@ -73,15 +97,16 @@ pub fn run(args: &RenderArgs, until: &str) -> Result<()> {
     }
     tell::line("backend", backend.describe());
     let mut rows = Vec::new();
+    let mut later = Vec::new();
+    let mut out = stdout::lock();
+    let mut width = 0;
     for number in 0..count {
         let words = format!("time {} of {count}", number + 1);
         bar.show(&words, number as f64 / count as f64);
-        let conditions = first.at(&utc(number))?;
+        let conditions = first.at(&range.text(number))?;
         let moment = range.moment(number, &reading)?;
-        let mut row = columns([
-            ("time", json!(civil::exact_local_text(moment.local()))),
-            ("utc", json!(utc(number))),
-        ]);
+        let local = civil::exact_local_text(moment.local());
+        let mut row = columns([("time", json!(local)), ("utc", json!(utc(number)))]);
         row.extend(values(
             &conditions,
             &mut backend,
@@ -89,12 +114,45 @@ pub fn run(args: &RenderArgs, until: &str) -> Result<()> {
             &limits,
             &layers,
         )?);
-        rows.push(row);
+        let is_new = |warning: &&Warning| {
+            let is_alike = |told: &Warning| discriminant(told) == discriminant(*warning);
+            !first.warnings.iter().any(is_alike)
+        };
+        let warnings = conditions.warnings.iter().filter(is_new);
+        later.extend(warnings.map(|warning| (local.clone(), warning.clone())));
+        if args.json {
+            row.insert("warnings".into(), json!(conditions.warnings));
+            rows.push(row);
+            continue;
+        }
+        // A row takes a while: each is printed as it comes.
+        bar.apart(|| -> Result<()> {
+            if args.csv {
+                let rows = [row];
+                let text = match number {
+                    0 => columns::csv(&rows),
+                    _ => columns::csv_below(&rows),
+                };
+                out.bytes(&text)?;
+            } else {
+                if number == 0 {
+                    width = local.len().max(25) + 5;
+                    out.line(&columns::titles(width, &SHOWN))?;
+                }
+                out.line(&columns::line(&row, width, &SHOWN))?;
+            }
+            out.flush()
+        })?;
+        if out.closed() {
+            break;
+        }
     }
     drop(bar);
+    out.finish()?;
+    tell::warnings_since(later.into_iter());
     let [width, height] = first.view.size;
     if args.json {
-        return stdout::print_json(&json!({
+        stdout::print_json(&json!({
             "schema": 1,
             "scene": first.scene.name,
             "from": from,
@@ -108,14 +166,9 @@ pub fn run(args: &RenderArgs, until: &str) -> Result<()> {
             "quality": overrules.quality.name(),
             "warnings": first.warnings,
             "rows": rows,
-        }));
+        }))?;
     }
-    if args.csv {
-        return stdout::print(columns::csv(&rows));
-    }
-    let mut out = stdout::lock();
-    table(&mut out, &rows)?;
-    out.finish()
+    Ok(())
 }
 
 /// The values of one picture; none is of a file.
@@ -172,18 +225,4 @@ fn values(
         }
     }
     Ok(row)
-}
-
-/// The rows for people: what changes most, briefly.
-fn table(out: &mut Out, rows: &[Columns]) -> Result<()> {
-    const SHOWN: [(&str, &str); 7] = [
-        ("sun_azimuth", "azimuth"),
-        ("sun_elevation_apparent", "elevation"),
-        ("sun_normal_illuminance_lx", "sun lx"),
-        ("sky_horizontal_illuminance_lx", "sky lx"),
-        ("eye_illuminance_lx", "eye lx"),
-        ("mean_luminance_cd_m2", "mean cd/m2"),
-        ("ev100", "EV100"),
-    ];
-    columns::table(out, rows, &SHOWN)
 }

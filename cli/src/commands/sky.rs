@@ -312,6 +312,7 @@ fn range(args: &SkyArgs, until: &str) -> Result<()> {
     tell::warnings_since(warnings.into_iter().flatten());
     if args.form.json {
         return stdout::print_json(&json!({
+            "schema": 1,
             "from": from,
             "until": until,
             "step_seconds": range.steps.step_seconds(),

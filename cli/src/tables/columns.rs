@@ -34,6 +34,14 @@ pub fn csv(rows: &[Columns]) -> Vec<u8> {
     if let Some(first) = rows.first() {
         csv.row(first.keys());
     }
+    let mut bytes = csv.into_bytes();
+    bytes.extend(csv_below(rows));
+    bytes
+}
+
+/// Rows as CSV, without names above them.
+pub fn csv_below(rows: &[Columns]) -> Vec<u8> {
+    let mut csv = Rows::with_capacity(0);
     for row in rows {
         for value in row.values() {
             match value {
@@ -54,24 +62,32 @@ pub fn columns<const N: usize>(columns: [(&str, Value); N]) -> Columns {
 
 /// Some columns of rows for people, below their titles; the column `time` before them.
 pub fn table(out: &mut Out, rows: &[Columns], shown: &[(&str, &str)]) -> Result<()> {
-    let titles = shown.iter().map(|(_, title)| format!("{title:>14}"));
-    let titles: String = titles.collect();
-    let time = |row: &Columns| {
-        let time = row.get("time").and_then(Value::as_str);
-        time.unwrap_or_default().to_owned()
-    };
     let longest = rows.iter().map(|row| time(row).len()).max();
     let width = longest.unwrap_or(0).max(25) + 1;
-    out.line(&format!("{:<width$}{titles}", "time"))?;
+    out.line(&titles(width, shown))?;
     for row in rows {
-        let time = time(row);
-        let cells = shown.iter().map(|(name, _)| {
-            let number = row.get(*name).and_then(Value::as_f64);
-            format!("{:>14}", number.map_or("\u{2014}".into(), short))
-        });
-        out.line(&format!("{time:<width$}{}", cells.collect::<String>()))?;
+        out.line(&line(row, width, shown))?;
     }
     Ok(())
+}
+
+/// The titles of some columns, below which the column `time` is so wide.
+pub fn titles(width: usize, shown: &[(&str, &str)]) -> String {
+    let titles = shown.iter().map(|(_, title)| format!("{title:>14}"));
+    format!("{:<width$}{}", "time", titles.collect::<String>())
+}
+
+/// A row below such titles.
+pub fn line(row: &Columns, width: usize, shown: &[(&str, &str)]) -> String {
+    let cells = shown.iter().map(|(name, _)| {
+        let number = row.get(*name).and_then(Value::as_f64);
+        format!("{:>14}", number.map_or("\u{2014}".into(), short))
+    });
+    format!("{:<width$}{}", time(row), cells.collect::<String>())
+}
+
+fn time(row: &Columns) -> &str {
+    row.get("time").and_then(Value::as_str).unwrap_or_default()
 }
 
 /// A number in as many digits as people read.
