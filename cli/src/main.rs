@@ -58,7 +58,7 @@ impl Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(Box<render::RenderArgs>),
+    Render(Box<arguments::render::RenderArgs>),
     // Its times are between its ends.
     #[command(mut_arg("time", |time| time.hide(true)))]
     Timelapse(Box<timelapse::TimelapseArgs>),

@@ -1,19 +1,12 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
-use crate::arguments::check::CheckArgs;
-use crate::arguments::grid::scale;
-use crate::arguments::memory::MemoryArgs;
-use crate::arguments::picture::PictureArgs;
-use crate::arguments::place_time::step;
-use crate::arguments::scene::{PlanArgs, ViewArgs};
+use crate::arguments::render::RenderArgs;
 use crate::commands::render_range;
 use crate::machine;
 use crate::signals;
 use crate::tables::{stdout, work};
-use crate::targets::{FormatArgs, Targets};
+use crate::targets::Targets;
 use crate::tell;
-use chrono::TimeDelta;
-use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -26,45 +19,9 @@ use tyndall::colour::{exposure, luminance};
 use tyndall::effect::Kept;
 use tyndall::error::Error;
 use tyndall::frame::Frame;
-use tyndall::output::scale::Scale;
 use tyndall::output::{self, Format};
 use tyndall::plan::Plan;
 use tyndall::warning::Warning;
-
-/// Make a picture for a place, a date and a time
-#[derive(Debug, Args)]
-pub struct RenderArgs {
-    #[command(flatten)]
-    pub view: ViewArgs,
-    #[command(flatten)]
-    pub plan: PlanArgs,
-    /// The end of a range that begins at --time: a row of values for each step instead of pictures; it is not in the table itself
-    #[arg(long, value_name = "T", allow_hyphen_values = true, conflicts_with_all = ["sun", "false_colour", "exposure", "units", "multiply", "clamp_half", "color_space", "format"])]
-    until: Option<String>,
-    /// The step of a range: a number of seconds, or with s, min, h or d (24 h), as in 30min [default: 1h]
-    #[arg(long, value_name = "STEP", value_parser = step, requires = "until")]
-    pub step: Option<TimeDelta>,
-    /// A file to write, by its ending .png, .jpg, .exr or .hdr, or - for standard output; may be repeated [default: tyndall.png and tyndall.exr]
-    #[arg(short, long, value_name = "FILE|-")]
-    pub output: Vec<PathBuf>,
-    #[command(flatten)]
-    format: FormatArgs,
-    /// Show luminance [cd/m2] in the PNG as false colours with isolines and a legend, in a range: 0..2000
-    #[arg(long, value_name = "LOW..HIGH", value_parser = scale, conflicts_with = "exposure")]
-    false_colour: Option<Scale>,
-    #[command(flatten)]
-    pub picture: PictureArgs,
-    #[command(flatten)]
-    pub check: CheckArgs,
-    /// Print what was done as JSON, or the rows of a range
-    #[arg(long)]
-    pub json: bool,
-    /// Print the rows of a range as CSV
-    #[arg(long, requires = "until", conflicts_with = "json")]
-    pub csv: bool,
-    #[command(flatten)]
-    pub memory: MemoryArgs,
-}
 
 /// Renders.
 pub fn run(args: &RenderArgs) -> Result<()> {
