@@ -11,7 +11,7 @@
 //! A group is **outside** if most of its sensors have open sky above and something between them and the floor, while most of the floor
 //! is covered: they stand on what covers it.
 //!
-//! Groups of what is left are **closed in** if no daylight comes to them ([`super::reached`]): a crawl space, a void in a wall or above a
+//! Groups of what is left are **closed in** if no daylight comes to them (`reached`): a crawl space, a void in a wall or above a
 //! ceiling. Where that holds for all sensors of all grids, none is left out for it; nor is one of what was named, or where lamps shine.
 
 use super::floor::Above;
