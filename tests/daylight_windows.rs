@@ -533,9 +533,9 @@ fn a_view_is_as_wide_and_as_far_as_its_angles_say() {
     let all: Vec<usize> = (0..alone.points.len()).collect();
     let figures = metrics.figures(&all, &vec![1.0; all.len()]);
     let of = |key: &str| figures.iter().find(|f| f.key == key).expect("a figure");
-    let wide = alone.points.iter().filter(|v| v.sight_deg >= 28.0).count();
+    let wide = alone.points.iter().filter(|v| v.sight_deg >= 54.0).count();
     let share = 100.0 * wide as f64 / all.len() as f64;
-    let found = of("view_medium_angle").value.expect("a share");
+    let found = of("view_high_angle").value.expect("a share");
     assert!((found - share).abs() < 1e-9 && share > 0.0 && share < 100.0);
     assert!(
         of("view_medium_distance")
