@@ -58,7 +58,7 @@ impl Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(Box<arguments::render::RenderArgs>),
+    Render(Box<commands::render_args::RenderArgs>),
     // Its times are between its ends.
     #[command(mut_arg("time", |time| time.hide(true)))]
     Timelapse(Box<timelapse::TimelapseArgs>),

@@ -8,7 +8,6 @@ pub mod hinted;
 pub mod memory;
 pub mod picture;
 pub mod place_time;
-pub mod render;
 pub mod scene;
 pub mod size;
 pub mod steps;

@@ -14,6 +14,7 @@ pub mod doctor;
 pub mod photometry;
 pub mod plan;
 pub mod render;
+pub mod render_args;
 mod render_range;
 pub mod scene;
 pub mod schema;

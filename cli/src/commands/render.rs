@@ -1,6 +1,6 @@
 //! `tyndall render`: a picture for a place, a date and a time.
 
-use crate::arguments::render::RenderArgs;
+use crate::commands::render_args::RenderArgs;
 use crate::commands::render_range;
 use crate::machine;
 use crate::signals;

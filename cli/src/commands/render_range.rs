@@ -1,7 +1,7 @@
 //! `tyndall render --until`: what pictures over a range of times would be like, in a row of numbers for each.
 
-use crate::arguments::render::RenderArgs;
 use crate::arguments::steps::Range;
+use crate::commands::render_args::RenderArgs;
 use crate::machine;
 use crate::signals;
 use crate::tables::columns::{self, Columns, columns};

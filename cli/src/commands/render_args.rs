@@ -1,11 +1,11 @@
-//! The flags of `tyndall render`.
+//! The flags of `tyndall render`, of pictures and of ranges.
 
-use super::check::CheckArgs;
-use super::grid::scale;
-use super::memory::MemoryArgs;
-use super::picture::PictureArgs;
-use super::place_time::step;
-use super::scene::{PlanArgs, ViewArgs};
+use crate::arguments::check::CheckArgs;
+use crate::arguments::grid::scale;
+use crate::arguments::memory::MemoryArgs;
+use crate::arguments::picture::PictureArgs;
+use crate::arguments::place_time::step;
+use crate::arguments::scene::{PlanArgs, ViewArgs};
 use crate::targets::FormatArgs;
 use chrono::TimeDelta;
 use clap::Args;
