@@ -19,6 +19,9 @@ const NEAREST: f64 = 1e-12;
 /// Turned by this again and again, directions lie evenly around: pi (3 - sqrt 5) [rad].
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
+/// Where so much of the daylight in the open arrives it is as bright as there to the eye [1].
+const AS_OPEN: f64 = 0.05;
+
 /// A lamp nearly all of whose light meets something nearer than this is shut in [m].
 const SHUT_IN: f64 = 0.25;
 
@@ -158,10 +161,11 @@ impl Lamp {
         self.faces.as_ref().map(|faces| faces.brightest)
     }
 
-    /// The luminance beside which it is seen, where open ground has `typical` [cd/m2]: so much less as less daylight meets it, and none in
-    /// a room without windows. Nothing for lamps that are no surfaces.
+    /// The luminance beside which it is seen, where open ground has `typical` [cd/m2]: the same as long as a twentieth of the light in the
+    /// open meets it, which is day for the eye, and down to none in a room without windows. Nothing for lamps that are no surfaces.
     pub(super) fn seen_beside(&self, typical: f64) -> Option<f64> {
-        self.faces.as_ref().map(|faces| faces.openness * typical)
+        let faces = self.faces.as_ref()?;
+        Some((faces.openness / AS_OPEN).min(1.0) * typical)
     }
 
     /// Whether it gives any light at all.
