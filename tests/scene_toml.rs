@@ -391,6 +391,16 @@ fn schema_and_example_know_the_same_keys() {
     for key in ["", ".material", ".transmittance", ".image", ".panes"] {
         used.insert(format!(".pane{key}"));
     }
+    // Blinds have, too.
+    for key in [
+        "",
+        ".windows",
+        ".transmittance",
+        ".openness",
+        ".reflectance",
+    ] {
+        used.insert(format!(".shade{key}"));
+    }
     // And so have reflectances by name.
     for key in ["", ".name", ".reflectance"] {
         used.insert(format!(".material{key}"));
