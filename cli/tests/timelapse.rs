@@ -444,6 +444,6 @@ fn frames_that_are_made_are_measured_and_the_worst_is_told() {
     // The plan is not written over.
     let mut words = words(&[]);
     let report = words.iter().position(|word| *word == "r.json");
-    words[report.expect("it is there")] = "f_.plan.jsonl";
+    words[report.expect("it is there")] = "f.plan.jsonl";
     assert_eq!(tyndall(folder, &words).status.code(), Some(2));
 }
