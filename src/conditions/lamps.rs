@@ -1,6 +1,7 @@
 //! Lamps as physics has them: where they are, what they shine with, and what stands before them.
 
 use super::GroundPlane;
+use super::evenly::{GOLDEN_ANGLE, evenly};
 use super::faces::Faces;
 use crate::beam::Beam;
 use crate::colour::{Space, luminance};
@@ -15,9 +16,6 @@ pub use super::spot::Spot;
 
 /// No place is nearer to a point of light than a micrometre [m2].
 const NEAREST: f64 = 1e-12;
-
-/// Turned by this again and again, directions lie evenly around: pi (3 - sqrt 5) [rad].
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// Where so much of the daylight in the open arrives it is as bright as there to the eye [1].
 const AS_OPEN: f64 = 0.05;
@@ -360,10 +358,7 @@ impl Lamp {
             // On the sphere itself, each as bright as the cosine has it: 4 cos(theta) of a part of the sphere adds up to 1 on each side.
             let count = 2 * count * count;
             let spot = |k: u32| {
-                let height = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
-                let (y, x) = (GOLDEN_ANGLE * f64::from(k)).sin_cos();
-                let across = (1.0 - height * height).sqrt();
-                let side = DVec3::new(across * x, height, across * y);
+                let side = evenly(k, count);
                 Spot {
                     position: self.position + radius * side,
                     side: Some((side, true)),

@@ -5,6 +5,7 @@
 mod assemble;
 mod brightest;
 mod checks;
+mod evenly;
 pub mod exposed;
 mod faces;
 mod inputs;

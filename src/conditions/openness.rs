@@ -3,15 +3,13 @@
 //! A sign that is lost beside open ground is all there is to see by in a room without windows.
 
 use super::GroundPlane;
+use super::evenly::evenly;
 use crate::colour::luminance;
 use crate::scene::{Geometry, Ray};
 use glam::DVec3;
 
 /// Directions from one place.
 const RAYS: u32 = 64;
-
-/// Turned by this again and again, directions lie evenly around: pi (3 - sqrt 5) [rad].
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// The share of what a place with a normal would receive from a dome all around that comes from the sky, or from ground that the zenith
 /// lights [1]. Light that surfaces send on is not counted.
@@ -27,10 +25,7 @@ pub(super) fn openness(
     };
     let along = |k: u32| {
         // A normal and an even direction together go by the cosine law.
-        let height = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(RAYS);
-        let (y, x) = (GOLDEN_ANGLE * f64::from(k)).sin_cos();
-        let across = (1.0 - height * height).sqrt();
-        let direction = (normal + DVec3::new(across * x, height, across * y)).normalize_or(normal);
+        let direction = (normal + evenly(k, RAYS)).normalize_or(normal);
         if direction.y > 0.0 {
             return free(place, direction, f64::INFINITY);
         }

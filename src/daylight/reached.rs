@@ -48,8 +48,7 @@ fn comes_out(scene: &Scene, geometry: &Geometry, sensor: &Sensor, number: u64) -
         };
         match geometry.met(&ray, 0.0, f64::INFINITY).0 {
             Some(hit) => {
-                let vertices = scene.mesh.triangles[hit.triangle as usize].vertices;
-                let [a, b, c] = vertices.map(|v| scene.mesh.positions[v as usize]);
+                let [a, b, c] = scene.mesh.corners(hit.triangle);
                 let facet = (b - a).cross(c - a).normalize_or_zero();
                 place = ray.at(hit.distance);
                 normal = match facet.dot(ray.direction) > 0.0 {
